@@ -1,0 +1,240 @@
+"""The data that every part of the project passes along: a skeleton and its motion, as plain arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geomstats_anim import rotations as quat
+from geomstats_anim.rotations import Array
+
+_UNIT_TOLERANCE = 1e-2
+"""How far from 1 a quaternion's norm may be before it is no longer taken for rounding."""
+
+
+def _floats(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Array:
+    """Copy to float64 and check the shape (None: any length) and that every number is finite."""
+    array = np.array(value, dtype=np.float64, order="C")
+    if array.ndim != len(shape) or any(want not in (None, got) for want, got in zip(shape, array.shape, strict=True)):
+        wanted = ", ".join("any" if n is None else str(n) for n in shape)
+        raise ValueError(f"{name} has shape {array.shape}, but ({wanted}) is needed.")
+    if not np.isfinite(array).all():
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise ValueError(f"{name} has a value that is not finite, {array[where]}, at index {where}.")
+    return array
+
+
+def _unit_quaternions(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Array:
+    array = _floats(name, value, (*shape, 4))
+    norm = np.linalg.norm(array, axis=-1)
+    bad = np.argwhere(np.abs(norm - 1.0) > _UNIT_TOLERANCE)
+    if len(bad):
+        where = tuple(int(i) for i in bad[0])
+        raise ValueError(f"{name} has a quaternion of norm {norm[where]:.6g} at index {where}; normalise it first.")
+    return array / norm[..., None]
+
+
+def increasing_times(value: ArrayLike) -> Array:
+    """Copy times, shape=[F], to float64 and check that they are finite and strictly increasing."""
+    times = _floats("times", value, (None,))
+    falls = np.flatnonzero(np.diff(times) <= 0.0)
+    if len(falls):
+        at = int(falls[0])
+        raise ValueError(f"times must increase, but time {at} is {times[at]} and time {at + 1} is {times[at + 1]}.")
+    return times
+
+
+@dataclass(frozen=True, eq=False)
+class Skeleton:
+    """Joints in a tree, in their rest pose.
+
+    Parameters
+    ----------
+    joints : sequence of str, shape=[B]
+        Full path tokens, unique.
+    parents : array-like of int, shape=[B]
+        Index of each joint's parent, -1 for a root. Parents come before their children.
+    rest_translations : array-like, shape=[B, 3]
+        Metres, relative to the parent.
+    rest_rotations : array-like, shape=[B, 4]
+        Unit quaternions (x, y, z, w), relative to the parent.
+    bone_ends : array-like, shape=[B, 3]
+        End point of each joint's bone in its own frame, metres.
+        Optional, default: `default_bone_ends`.
+
+    Raises
+    ------
+    ValueError
+        If the sizes do not fit, names repeat, or a parent does not come before its child.
+    """
+
+    joints: tuple[str, ...]
+    parents: np.ndarray
+    rest_translations: Array
+    rest_rotations: Array
+    bone_ends: Array = None  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        """Check and freeze the arrays."""
+        joints = tuple(str(joint) for joint in self.joints)
+        n_joints = len(joints)
+        if len(set(joints)) != n_joints:
+            twice = next(joint for i, joint in enumerate(joints) if joint in joints[:i])
+            raise ValueError(f"Joint names must be unique, but {twice!r} is there twice.")
+        parents = np.array(self.parents, dtype=np.intp)
+        if parents.shape != (n_joints,):
+            raise ValueError(f"parents has shape {parents.shape}, but there are {n_joints} joints.")
+        for joint, parent in enumerate(parents):
+            if not -1 <= parent < joint:
+                raise ValueError(f"Joint {joints[joint]!r} is number {joint}, but its parent is number {parent}.")
+        translations = _floats("rest_translations", self.rest_translations, (n_joints, 3))
+        ends = default_bone_ends(parents, translations) if self.bone_ends is None else self.bone_ends
+        values = {
+            "joints": joints,
+            "parents": parents,
+            "rest_translations": translations,
+            "rest_rotations": _unit_quaternions("rest_rotations", self.rest_rotations, (n_joints,)),
+            "bone_ends": _floats("bone_ends", ends, (n_joints, 3)),
+        }
+        for name, value in values.items():
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
+            object.__setattr__(self, name, value)
+
+    @property
+    def n_joints(self) -> int:
+        """Number of joints, B."""
+        return len(self.joints)
+
+    @property
+    def depths(self) -> np.ndarray:
+        """Depth of each joint, shape=[B], counted from 1 at a root."""
+        depths = np.ones(self.n_joints, dtype=np.intp)
+        for joint, parent in enumerate(self.parents):
+            if parent >= 0:
+                depths[joint] = depths[parent] + 1
+        return depths
+
+
+def default_bone_ends(
+    parents: ArrayLike, rest_translations: ArrayLike, bone_lengths: Sequence[float | None] | None = None
+) -> Array:
+    """End point of each joint's bone in its own frame.
+
+    It is the mean of the children's rest translations; for a leaf, its authored length along its own rest
+    translation, else that rest translation once more.
+
+    Parameters
+    ----------
+    parents : array-like of int, shape=[B]
+    rest_translations : array-like, shape=[B, 3]
+        Metres.
+    bone_lengths : sequence of float or None, shape=[B]
+        Authored lengths in metres, None where there is none.
+        Optional, default: none at all.
+
+    Returns
+    -------
+    bone_ends : array-like, shape=[B, 3]
+        Metres.
+    """
+    parents = np.asarray(parents, dtype=np.intp)
+    translations = np.asarray(rest_translations, dtype=np.float64)
+    has_parent = parents >= 0
+    sums = np.zeros_like(translations)
+    np.add.at(sums, parents[has_parent], translations[has_parent])
+    n_children = np.bincount(parents[has_parent], minlength=len(parents))
+    ends = np.where(n_children[:, None] > 0, sums / np.maximum(n_children, 1)[:, None], translations)
+    for joint, bone_length in enumerate(bone_lengths or ()):
+        own_length = np.linalg.norm(translations[joint])
+        if bone_length is not None and n_children[joint] == 0 and own_length > 0.0:
+            ends[joint] = translations[joint] * (bone_length / own_length)
+    return ends
+
+
+@dataclass(frozen=True, eq=False)
+class Animation:
+    """Joint-local motion of a skeleton, sampled in time.
+
+    Parameters
+    ----------
+    skeleton : Skeleton
+    times : array-like, shape=[F]
+        Seconds, strictly increasing.
+    rotations : array-like, shape=[F, B, 4]
+        Quaternions (x, y, z, w); made unit and sign-continuous along time.
+    translations : array-like, shape=[F, B, 3]
+        Metres.
+    scales : array-like, shape=[F, B, 3]
+        Optional, default: None, no scaling.
+
+    Raises
+    ------
+    ValueError
+        If the sizes do not fit, a number is not finite, or times do not increase.
+
+    Examples
+    --------
+    >>> from geomstats_anim import Animation, Skeleton
+    >>> skeleton = Skeleton(["arm"], [-1], [[0.0, 0.0, 0.0]], [[0.0, 0.0, 0.0, 1.0]])
+    >>> turn = Animation(skeleton, [0.0, 1.0], [[[0, 0, 0, 1]], [[1, 0, 0, 0]]], [[[0, 0, 0]], [[0, 0, 1]]])
+    >>> turn.n_frames
+    2
+    """
+
+    skeleton: Skeleton
+    times: Array
+    rotations: Array
+    translations: Array
+    scales: Array | None = None
+
+    def __post_init__(self) -> None:
+        """Check and freeze the arrays."""
+        times = increasing_times(self.times)
+        shape = (len(times), self.skeleton.n_joints)
+        rotations = _unit_quaternions("rotations", self.rotations, shape)
+        values = {
+            "times": times,
+            "rotations": quat.make_continuous(rotations),
+            "translations": _floats("translations", self.translations, (*shape, 3)),
+            "scales": None if self.scales is None else _floats("scales", self.scales, (*shape, 3)),
+        }
+        for name, value in values.items():
+            if value is not None:
+                value.setflags(write=False)
+            object.__setattr__(self, name, value)
+
+    @property
+    def n_frames(self) -> int:
+        """Number of frames, F."""
+        return len(self.times)
+
+    @property
+    def n_joints(self) -> int:
+        """Number of joints, B."""
+        return self.skeleton.n_joints
+
+    def at_frames(self, frames: ArrayLike | slice) -> Animation:
+        """Keep only some frames.
+
+        Parameters
+        ----------
+        frames : array-like of int, shape=[K]
+            Increasing indices, as `uniform_keyframes` gives them; or a slice.
+
+        Returns
+        -------
+        animation : Animation
+        """
+        index = frames if isinstance(frames, slice) else np.asarray(frames, dtype=np.intp)
+        scales = None if self.scales is None else self.scales[index]
+        return replace(
+            self,
+            times=self.times[index],
+            rotations=self.rotations[index],
+            translations=self.translations[index],
+            scales=scales,
+        )

@@ -1,0 +1,59 @@
+"""What the compiled kernels need around them: a word to the user when they compile, and threads to run in."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+import numba.core.event
+
+_logger = logging.getLogger("geomstats_anim")
+
+_MIN_CHUNK = 512
+"""Fewest problems that are worth a thread of their own."""
+
+
+class _CompilationNotice(numba.core.event.Listener):
+    """Says once in a process that a kernel of this package is being compiled, and not merely loaded."""
+
+    def __init__(self) -> None:
+        self._said = False
+
+    def on_start(self, event: numba.core.event.Event) -> None:
+        module = event.data["dispatcher"].py_func.__module__
+        if not self._said and module.partition(".")[0] == "geomstats_anim":
+            self._said = True
+            _logger.warning("Compiling the geodesic kernels: about ten seconds, once for this installation.")
+
+    def on_end(self, event: numba.core.event.Event) -> None:
+        """Nothing more to say."""
+
+
+numba.core.event.register("numba:compile", _CompilationNotice())
+
+
+def in_threads(run: Callable[[slice], None], n_problems: int) -> None:
+    """Call a function that releases the GIL on consecutive parts of a batch, one a processor.
+
+    Parameters
+    ----------
+    run : callable
+        Takes a slice of the batch. What it writes must not depend on how the batch is cut.
+    n_problems : int
+    """
+    n_parts = max(
+        1,
+        min(
+            len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1,
+            n_problems // _MIN_CHUNK,
+        ),
+    )
+    bounds = [n_problems * i // n_parts for i in range(n_parts + 1)]
+    parts = [slice(start, stop) for start, stop in zip(bounds[:-1], bounds[1:], strict=True)]
+    if n_parts == 1:
+        run(parts[0])
+        return
+    with ThreadPoolExecutor(n_parts) as pool:
+        list(pool.map(run, parts))

@@ -1,0 +1,255 @@
+"""Geodesics of invariant metrics on SO(3)^B between given poses, or from a pose with a given velocity.
+
+Every metric comes down to one problem, which the compiled kernels solve: a left-invariant metric with a diagonal
+matrix, and a geodesic that starts at the identity.
+
+* Left translations are isometries, so a segment from A to B is A times the one from the identity to A^-1 B.
+* The right-invariant geodesic from A to B is the inverse of the left-invariant one from A^-1 to B^-1.
+* For Z = P^T D P, conjugation R -> P R P^T carries the geodesics of Z to those of D.
+
+Geodesics found by shooting need not be the shortest. One is certified when it is shorter than the injectivity radius,
+which the largest sectional curvature bounds from below. Otherwise the other way round, continuation in the metric, and
+a survey of all directions look for a shorter one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from geomstats_anim import boundary_value
+from geomstats_anim import rotations as quat
+from geomstats_anim.compilation import in_threads
+from geomstats_anim.parameters import MetricParameters
+from geomstats_anim.rigid_body import playback
+from geomstats_anim.rotations import Array
+from geomstats_anim.sensitivity import pull_back
+from geomstats_anim.shortest import Effort, shortest_momenta
+
+
+class LogStatus(IntEnum):
+    """How the search for a geodesic ended."""
+
+    CONVERGED = boundary_value.CONVERGED
+    STALLED = boundary_value.STALLED
+    MAX_ITERATIONS = boundary_value.MAX_ITERATIONS
+
+    @property
+    def sentence(self) -> str:
+        """What it means, and what to do."""
+        return _SENTENCES[self]
+
+
+_SENTENCES = {
+    LogStatus.CONVERGED: "The geodesic was found; its end point is exact to rounding.",
+    LogStatus.STALLED: (
+        "No geodesic was found, because no step from any start came nearer to the end point; "
+        "bring alpha and beta nearer to 1, or set a key in between."
+    ),
+    LogStatus.MAX_ITERATIONS: (
+        "No geodesic was found in the number of shots allowed; bring alpha and beta nearer to 1, "
+        "or set a key in between."
+    ),
+}
+
+
+_REACH = 1e5
+"""Largest angle, in radians, that a geodesic is followed: beyond, it takes seconds, and its end is lost in rounding."""
+
+
+class LogResult(NamedTuple):
+    """Logarithms of a batch, whatever became of each.
+
+    Attributes
+    ----------
+    tangent_vec : array-like, shape=[..., 3, 3]
+        Initial velocities, at the base points; zero where none was found.
+    status : array-like of int, shape=[...]
+        `LogStatus` of each.
+    residual : array-like, shape=[...]
+        Miss of the end point in radians.
+    length : array-like, shape=[...]
+        Length of the geodesic in the metric; infinite where none was found.
+    iterations : array-like of int, shape=[...]
+        Shots taken in all.
+    """
+
+    tangent_vec: Array
+    status: np.ndarray
+    residual: Array
+    length: Array
+    iterations: np.ndarray
+
+
+class PoseGeodesics:
+    """A batch of geodesics of one metric on SO(3)^B, all made by one compiled call.
+
+    Attributes
+    ----------
+    initial : array-like, shape=[n, B, 4]
+        Unit quaternions at parameter 0.
+    velocity : array-like, shape=[n, B, 3]
+        Angular velocities at parameter 0, radians per unit of the parameter: in the body frame for a left-invariant
+        joint, in the parent's frame for a right-invariant one.
+    status : array-like of int, shape=[n, B]
+        `LogStatus` of each; where none was found, it is the bi-invariant geodesic.
+    residual, length : array-like, shape=[n, B]
+        Miss of the end point in radians, and length in the metric; infinite where none was found.
+    iterations : array-like of int, shape=[n, B]
+        Shots taken.
+    """
+
+    def __init__(self, initial: Array, velocity: Array, parameters: MetricParameters) -> None:
+        """Make the geodesics that leave `initial` with `velocity`; `between` makes those that join two poses."""
+        _refuse_beyond_reach(velocity, np.ones(1))
+        self.initial, self.velocity, self.parameters = initial, velocity, parameters
+        shape = initial.shape[:-1]
+        self.status = np.full(shape, LogStatus.CONVERGED)
+        self.residual, self.iterations = np.zeros(shape), np.zeros(shape, dtype=np.intp)
+        self._inverse_moments = np.broadcast_to(1.0 / parameters.moments, velocity.shape)
+        axes = parameters.axes_quaternions
+        outward = np.where(parameters.is_right, -1.0, 1.0)[:, None]
+        self._momentum = quat.rotate(axes, outward * velocity) / self._inverse_moments
+        self.length = np.sqrt((self._momentum**2 * self._inverse_moments).sum(axis=-1))
+
+    @classmethod
+    def between(
+        cls,
+        initial: Array,
+        end: Array,
+        parameters: MetricParameters,
+        near: PoseGeodesics | None = None,
+        effort: Effort = "thorough",
+    ) -> PoseGeodesics:
+        """Find the shortest geodesics between poses.
+
+        Parameters
+        ----------
+        initial, end : array-like, shape=[n, B, 4]
+            Unit quaternions.
+        parameters : MetricParameters
+        near : PoseGeodesics
+            Those of a similar metric between the same poses, to start from.
+            Optional, default: None.
+        effort : str
+            "thorough", or "quick", for learning: see `shortest_momenta`.
+            Optional, default: "thorough".
+
+        Returns
+        -------
+        geodesics : PoseGeodesics
+            The end is at parameter 1.
+        """
+        axes, is_right = parameters.axes_quaternions, parameters.is_right[:, None]
+        body_relative = quat.multiply(quat.conjugate(initial), end)
+        space_relative = quat.multiply(end, quat.conjugate(initial))
+        # the right-invariant geodesic is the inverse of the left-invariant one between the inverses
+        relative = np.where(is_right, quat.conjugate(space_relative), body_relative)
+        vector = quat.rotate(axes, quat.log(relative))
+        moments = np.broadcast_to(parameters.moments, vector.shape)
+        start = None
+        if near is not None:
+            outward = np.where(is_right, -1.0, 1.0)
+            start = (moments * quat.rotate(axes, outward * near.velocity)).reshape(-1, 3)
+        found = shortest_momenta(moments.reshape(-1, 3), vector.reshape(-1, 3), start, effort)
+
+        shape = vector.shape[:-1]
+        converged = (found.status == LogStatus.CONVERGED).reshape(*shape, 1)
+        momentum = np.where(converged, found.momentum.reshape(vector.shape), vector)
+        inverse_moments = np.where(converged, 1.0 / moments, 1.0)
+        velocity = quat.rotate(quat.conjugate(axes), momentum * inverse_moments)
+        geodesics = cls(initial, np.where(is_right, -velocity, velocity), parameters)
+        geodesics._momentum, geodesics._inverse_moments = momentum, inverse_moments
+        geodesics.status = found.status.reshape(shape)
+        geodesics.residual, geodesics.iterations = found.residual.reshape(shape), found.shots.reshape(shape)
+        geodesics.length = np.where(converged[..., 0], np.sqrt(found.energy.reshape(shape)), np.inf)
+        return geodesics
+
+    def __call__(self, index: np.ndarray, parameter: Array) -> Array:
+        """Evaluate poses along the geodesics.
+
+        Parameters
+        ----------
+        index : array-like of int, shape=[F]
+            Which geodesic; must not decrease.
+        parameter : array-like, shape=[F]
+            Where on it, from 0 on; must not decrease within one geodesic.
+
+        Returns
+        -------
+        rotations : array-like, shape=[F, B, 4]
+            Unit quaternions.
+        """
+        turned = np.empty((len(parameter), self.initial.shape[1], 4))
+        self._for_samples(playback, index, parameter, turned)
+        axes, is_right = self.parameters.axes_quaternions, self.parameters.is_right
+        if self.parameters.axes is not None:
+            turned = quat.multiply(quat.multiply(quat.conjugate(axes), turned), axes)
+        initial = self.initial[index]
+        rotations = quat.multiply(initial, turned)
+        if is_right.any():
+            rotations[:, is_right] = quat.multiply(quat.conjugate(turned[:, is_right]), initial[:, is_right])
+        return rotations
+
+    def pull_back(self, index: np.ndarray, parameter: Array, rotations: Array, cotangent: Array) -> Array:
+        """Pull the derivative of a scalar by poses back to one by the metric, the end poses fixed.
+
+        Parameters
+        ----------
+        index, parameter : array-like, shape=[F]
+            As in a call.
+        rotations : array-like, shape=[F, B, 4]
+            What the call returned.
+        cotangent : array-like, shape=[F, B, 3]
+            Derivative of the scalar by the body variation of the rotations.
+
+        Returns
+        -------
+        gradient : array-like, shape=[B, 5]
+            By log alpha, log beta, and a rotation vector that turns the axes from the left, P -> exp(v) P.
+        """
+        is_right = self.parameters.is_right[:, None]
+        # the body variation x of a right-invariant geodesic g = e^-1 A comes from -g x of e
+        inward = np.where(is_right, -quat.rotate(rotations, cotangent), cotangent)
+        turned = quat.rotate(self.parameters.axes_quaternions, inward)
+        gradient = np.zeros((*self.initial.shape[:2], 5))
+        self._for_samples(pull_back, index, parameter, turned, gradient.reshape(-1, 5))
+        # a fallback is the bi-invariant geodesic, which does not depend on the metric
+        return np.where((self.status == LogStatus.CONVERGED)[..., None], gradient, 0.0).sum(axis=0)
+
+    def _for_samples(
+        self,
+        kernel: Callable[..., None],
+        index: np.ndarray,
+        parameter: Array,
+        samples: Array,
+        geodesics: Array | None = None,
+    ) -> None:
+        """Run a compiled kernel over all geodesics, with the samples that lie on each, in threads."""
+        _refuse_beyond_reach(self.velocity, parameter)
+        n, n_joints = self.initial.shape[:2]
+        first = np.searchsorted(index, np.arange(n), side="left").repeat(n_joints)
+        last = np.searchsorted(index, np.arange(n), side="right").repeat(n_joints)
+        column = np.tile(np.arange(n_joints), n)
+        # copies: for arrays that are read-only or of another type, the kernel would be compiled once more
+        inverse, momentum, parameter = (
+            np.array(values, dtype=np.float64, order="C")
+            for values in (self._inverse_moments, self._momentum, parameter)
+        )
+        inverse, momentum = inverse.reshape(-1, 3), momentum.reshape(-1, 3)
+
+        def run(part: slice) -> None:
+            written = () if geodesics is None else (geodesics[part],)
+            kernel(inverse[part], momentum[part], first[part], last[part], parameter, column[part], samples, *written)
+
+        in_threads(run, n * n_joints)
+
+
+def _refuse_beyond_reach(velocity: Array, parameter: Array) -> None:
+    """Raise if geodesics of these velocities, shape=[..., 3], turn too far, or nobody knows how far."""
+    angle = float(np.abs(velocity).max(initial=0.0)) * float(np.max(parameter, initial=0.0))
+    if not angle <= _REACH:
+        raise ValueError(f"A geodesic turns by {angle:.3g} radians, but at most {_REACH:g} can be followed.")

@@ -1,0 +1,167 @@
+"""Batched quaternion helpers, scalar last (x, y, z, w), that work on any number of leading axes.
+
+Names and conventions follow `scipy.spatial.transform.Rotation`, which lacks array axes and keeps no track of signs.
+The formulae are those of Sola, "Quaternion kinematics for the error-state Kalman filter", 2017 (arXiv:1711.02508).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+IDENTITY: Array = np.array([0.0, 0.0, 0.0, 1.0])
+IDENTITY.setflags(write=False)
+
+
+def multiply(left: Array, right: Array) -> Array:
+    """Compose rotations: the product `left right`, which applies `right` first.
+
+    Parameters
+    ----------
+    left, right : array-like, shape=[..., 4]
+        Quaternions, broadcast against each other.
+
+    Returns
+    -------
+    product : array-like, shape=[..., 4]
+    """
+    (ax, ay, az, aw), (bx, by, bz, bw) = np.moveaxis(left, -1, 0), np.moveaxis(right, -1, 0)
+    return np.stack(
+        [
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+            aw * bw - ax * bx - ay * by - az * bz,
+        ],
+        axis=-1,
+    )
+
+
+def conjugate(quaternion: Array) -> Array:
+    """Invert unit quaternions, shape=[..., 4]."""
+    return quaternion * np.array([-1.0, -1.0, -1.0, 1.0])
+
+
+def normalize(quaternion: Array) -> Array:
+    """Scale quaternions, shape=[..., 4], to unit length."""
+    return quaternion / np.linalg.norm(quaternion, axis=-1, keepdims=True)
+
+
+def rotate(quaternion: Array, vector: Array) -> Array:
+    """Rotate vectors, shape=[..., 3], by unit quaternions, shape=[..., 4]."""
+    axis, scalar = quaternion[..., :3], quaternion[..., 3:]
+    twice = 2.0 * np.cross(axis, vector)
+    return vector + scalar * twice + np.cross(axis, twice)
+
+
+def exp(rotation_vector: Array) -> Array:
+    """Turn rotation vectors, shape=[..., 3] in radians, into unit quaternions, shape=[..., 4]."""
+    half = 0.5 * np.linalg.norm(rotation_vector, axis=-1, keepdims=True)
+    # np.sinc is sin(pi x) / (pi x) and is exact at 0, so no branch is needed.
+    return np.concatenate([0.5 * np.sinc(half / np.pi) * rotation_vector, np.cos(half)], axis=-1)
+
+
+def log(quaternion: Array) -> Array:
+    """Turn unit quaternions into the shortest rotation vectors.
+
+    At exactly 180 degrees both signs of the axis are as short; that of the given vector part is returned.
+
+    Parameters
+    ----------
+    quaternion : array-like, shape=[..., 4]
+
+    Returns
+    -------
+    rotation_vector : array-like, shape=[..., 3]
+        Radians, at most pi long.
+    """
+    quaternion = np.where(quaternion[..., 3:] < 0.0, -quaternion, quaternion)
+    sine = np.linalg.norm(quaternion[..., :3], axis=-1, keepdims=True)
+    half = np.arctan2(sine, quaternion[..., 3:])
+    # half / sine tends to 1 / cosine = 1 at the identity; dividing by 1 there keeps it free of 0 / 0.
+    ratio = np.where(sine > 0.0, half / np.where(sine > 0.0, sine, 1.0), 1.0)
+    return 2.0 * ratio * quaternion[..., :3]
+
+
+def angle(quaternion: Array) -> Array:
+    """Angles in radians, in [0, pi], of unit quaternions, shape=[..., 4]; accurate near 0, where arccos is not."""
+    return 2.0 * np.arctan2(np.linalg.norm(quaternion[..., :3], axis=-1), np.abs(quaternion[..., 3]))
+
+
+def distance(left: Array, right: Array) -> Array:
+    """Angles in radians, in [0, pi], between the rotations of unit quaternions, shape=[..., 4]."""
+    return angle(multiply(conjugate(left), right))
+
+
+def make_continuous(quaternion: Array, axis: int = 0) -> Array:
+    """Choose the signs of quaternions so that neighbours along an axis lie in one half-space.
+
+    Parameters
+    ----------
+    quaternion : array-like, shape=[..., 4]
+    axis : int
+        Time axis.
+        Optional, default: 0.
+
+    Returns
+    -------
+    continuous : array-like, shape=[..., 4]
+        The first along the axis keeps its sign.
+    """
+    moved = np.moveaxis(quaternion, axis, 0)
+    flips = np.einsum("t...i,t...i->t...", moved[1:], moved[:-1]) < 0.0
+    signs = np.where(np.cumsum(flips, axis=0) % 2 == 1, -1.0, 1.0)
+    continuous = np.concatenate([moved[:1], moved[1:] * signs[..., None]])
+    return np.moveaxis(continuous, 0, axis)
+
+
+def slerp(start: Array, end: Array, parameter: ArrayLike) -> Array:
+    """Interpolate along the shorter great arc (Shoemake, "Animating rotation with quaternion curves", 1985).
+
+    Parameters
+    ----------
+    start, end : array-like, shape=[..., 4]
+        Unit quaternions.
+    parameter : array-like, shape=[...]
+        0 at the start, 1 at the end.
+
+    Returns
+    -------
+    quaternion : array-like, shape=[..., 4]
+    """
+    relative = log(multiply(conjugate(start), end))
+    return multiply(start, exp(np.asarray(parameter)[..., None] * relative))
+
+
+def to_matrix(quaternion: Array) -> Array:
+    """Turn unit quaternions, shape=[..., 4], into rotation matrices, shape=[..., 3, 3]."""
+    x, y, z, w = np.moveaxis(quaternion, -1, 0)
+    rows = [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
+        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def from_matrix(matrix: Array) -> Array:
+    """Turn rotation matrices, shape=[..., 3, 3], into unit quaternions, shape=[..., 4].
+
+    Each quaternion is the largest of the four columns of 4 q q^T, which never cancels
+    (Markley, "Unit quaternion from rotation matrix", 2008).
+    """
+    m = np.moveaxis(matrix, (-2, -1), (0, 1))
+    diagonal = [m[0, 0], m[1, 1], m[2, 2]]
+    trace = m[0, 0] + m[1, 1] + m[2, 2]
+    outer = np.empty((4, 4, *m.shape[2:]))
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        outer[i, i] = 1.0 + 2.0 * diagonal[i] - trace
+        outer[i, j] = outer[j, i] = m[i, j] + m[j, i]
+        outer[i, 3] = outer[3, i] = m[k, j] - m[j, k]
+    outer[3, 3] = 1.0 + trace
+    largest = np.argmax(np.stack([outer[i, i] for i in range(4)]), axis=0)
+    column = np.take_along_axis(outer, largest[None, None], axis=1)[:, 0]
+    return normalize(np.moveaxis(column, 0, -1))

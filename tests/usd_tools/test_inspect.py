@@ -1,0 +1,113 @@
+"""What inspect tells."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+from pxr import Usd, UsdSkel
+from rigs import ANIMATION, SKELETON, make_rig, random_rotations, set_samples
+
+
+def test_json(tmp_path, inspected):
+    rotations = random_rotations(4, 3)
+    rotations[2:, 1] *= -1.0
+    rotations[3, 2] *= 2.0
+    rotations[0, 0], rotations[1:, 0] = [0, 0, 0, 1], [0, 1, 0, 0.1]
+    make_rig(tmp_path / "in.usda", codes=(10, 11, 12, 13), rotations=rotations, rate=30)
+    told = inspected(tmp_path / "in.usda")
+    assert (told["file"], told["layers"], told["up_axis"], told["meters_per_unit"]) == (
+        "in.usda",
+        ["in.usda"],
+        "Z",
+        0.01,
+    )
+    assert (told["time_codes_per_second"], told["frames_per_second"], told["start_time_code"]) == (30, None, None)
+    assert told["skeletons"] == [{"prim": SKELETON, "joints": 3, "animation": ANIMATION, "instance": False}]
+    (animation,) = told["animations"]
+    assert (animation["prim"], animation["skeletons"], animation["joints"]) == (ANIMATION, [SKELETON], 3)
+    assert (animation["samples"], animation["codes"], animation["samples_per_second"]) == (4, [10, 13], 30)
+    np.testing.assert_allclose(animation["seconds"], [1 / 3, 13 / 30])
+    assert animation["evenly_spaced"] is True
+    step = animation["largest_step"]
+    assert (step["joint"], step["start"], step["end"]) == ("hips", 10, 11)
+    np.testing.assert_allclose(step["degrees"], 2 * np.degrees(np.arctan2(1, 0.1)), rtol=1e-6)
+    assert animation["wide_steps"] == [step]
+    assert (animation["sign_flips"], animation["not_unit_quaternions"]) == (1, 4)
+    assert animation["channels"]["rotations"] == {"samples": 4, "value_blocks": 0, "held_gaps": 0, "from": "in.usda"}
+    assert animation["channels"]["scales"]["samples"] == 0
+    assert animation["metric"] is None
+    assert "168.6 degrees" in told["warnings"][0]
+
+
+def test_holds_steps_blocks_and_shapes(tmp_path, inspected):
+    poses = random_rotations(3, 3)
+    step = Usd.TimeCode.SafeStep()
+    codes = (0, 1 - step, 1, 2, 3, 4)
+    stage = make_rig(
+        tmp_path / "in.usda", codes=codes, rotations=[poses[0], poses[0], poses[1], None, poses[2], poses[2]],
+        translations=None,
+    )  # fmt: skip
+    UsdSkel.Animation.Get(stage, ANIMATION).CreateBlendShapesAttr(["smile"])
+    set_samples(stage, "blendShapeWeights", (0, 4), np.float32([[[0]], [[1]]]))
+    stage.Save()
+    (animation,) = inspected(tmp_path / "in.usda")["animations"]
+    assert animation["stepped_pairs"] == 1
+    assert animation["blend_shapes"] == 1
+    assert animation["channels"]["rotations"] == {"samples": 6, "value_blocks": 1, "held_gaps": 2, "from": "in.usda"}
+    assert animation["channels"]["blendShapeWeights"]["samples"] == 2
+
+
+def test_table_loses_nothing_when_piped(tmp_path, run):
+    long_name = "a_very_long_name_of_a_joint_" * 8
+    make_rig(tmp_path / "in.usda", joints=[long_name, f"{long_name}/[red]x"])
+    code, out, _ = run("inspect", tmp_path / "in.usda")
+    assert code == 0
+    assert long_name in out and "…" not in out
+    for words in (f"Skeleton {SKELETON}", f"Animation {ANIMATION}", "24 samples a second", "stored metric"):
+        assert words in out
+
+
+def test_stored_metric_is_told(tmp_path, run, inspected):
+    make_rig(tmp_path / "in.usda")
+    run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2, "--alpha", 4)
+    (animation,) = inspected(tmp_path / "out.usda")["animations"]
+    assert animation["metric"]["summary"] == "geodesic, 3 joints (3 left, 0 right), diagonal, alpha 4, beta 1"
+    assert animation["metric"]["provenance"] == {"styles": ["*:alpha=4"]}
+
+
+def test_malformed_animations_are_told_and_not_fatal(tmp_path, run, inspected):
+    stage = make_rig(tmp_path / "in.usda")
+    set_samples(stage, "rotations", [2], [random_rotations(1, 2)[0]])
+    stage.Save()
+    (animation,) = inspected(tmp_path / "in.usda")["animations"]
+    assert animation["error"].endswith("has 2 values for 3 joints; repair the file.")
+    assert run("inspect", tmp_path / "in.usda")[0] == 0
+
+
+def test_library_and_binding_without_its_schema(tmp_path, inspected):
+    stage = make_rig(tmp_path / "in.usda", bind=False)
+    stage.GetPrimAtPath(SKELETON).CreateRelationship("skel:animationSource").SetTargets([ANIMATION])
+    stage.Save()
+    told = inspected(tmp_path / "in.usda")
+    assert told["animations"][0]["skeletons"] == []
+    assert told["warnings"] == [
+        f"{SKELETON} has skel:animationSource {ANIMATION}, but SkelBindingAPI is not applied, so USD ignores it."
+    ]
+
+
+def test_errors(tmp_path, run):
+    assert run("inspect", tmp_path / "no.usda") == (1, "", f"error: {tmp_path}/no.usda: there is no such file.\n")
+    (tmp_path / "x.usda").write_text("hello")
+    code, out, err = run("inspect", tmp_path / "x.usda")
+    assert (code, out, err.count("error: ")) == (1, "", 1)
+    Usd.Stage.CreateNew(str(tmp_path / "empty.usda")).Save()
+    code, out, _ = run("inspect", tmp_path / "empty.usda")
+    assert (code, "There is no skeletal animation." in out) == (0, True)
+
+
+def test_output_that_nobody_reads_to_the_end(tmp_path):
+    make_rig(tmp_path / "in.usda")
+    command = f"{sys.executable} -m usd_tools.inspect {tmp_path / 'in.usda'} | true"
+    done = subprocess.run(command, shell=True, cwd=Path(__file__).resolve().parents[2], capture_output=True, text=True)
+    assert done.stderr == ""

@@ -1,0 +1,86 @@
+"""How a command ends: one sentence on stderr and an exit code, never a traceback for bad input."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from pxr import Tf, UsdUtils
+
+TEMPORARY = "geomstats_anim-"
+"""How the names of temporary folders begin."""
+
+
+class ToolError(Exception):
+    """Something is wrong with the input; the message is one sentence that names it and says what to do."""
+
+
+class Messages:
+    """Warnings of one run: each is printed once on stderr, and kept for the report."""
+
+    def __init__(self) -> None:
+        self.warnings: list[str] = []
+
+    def warn(self, sentence: str) -> None:
+        """Print a warning that has not been printed before."""
+        if sentence not in self.warnings:
+            self.warnings.append(sentence)
+            print(f"warning: {sentence}", file=sys.stderr)
+
+
+def commentary(error: Tf.ErrorException) -> str:
+    """Tell in one line what OpenUSD says in several: its first error, without places in its source code."""
+    return _one_line(error.args[0].commentary) if error.args else "OpenUSD gives no reason"
+
+
+def _one_line(text: str) -> str:
+    # Addresses in memory and temporary folders differ from run to run, and say nothing to a user.
+    meaningless = rf"\(instantiating stage on stage .*?>\)|<0x[0-9a-f]+>|/[^@\s]*/{TEMPORARY}\w+/"
+    return " ".join(re.sub(meaningless, "", text).split())
+
+
+@contextmanager
+def usd_warnings(messages: Messages) -> Iterator[None]:
+    """Turn what OpenUSD would print on stderr into warnings of our own."""
+    delegate = UsdUtils.CoalescingDiagnosticDelegate()
+    try:
+        yield
+    finally:
+        for diagnostic in delegate.TakeUncoalescedDiagnostics():
+            messages.warn(_one_line(diagnostic.commentary))
+
+
+def run(command: Callable[[], int]) -> int:
+    """Run a command and turn its errors into one sentence on stderr.
+
+    Parameters
+    ----------
+    command : callable
+        Returns the exit code.
+
+    Returns
+    -------
+    exit_code : int
+        1 after an error.
+    """
+    try:
+        code = command()
+        sys.stdout.flush()
+        return code
+    except ToolError as error:
+        sentence = str(error)
+    except KeyboardInterrupt:
+        sentence = "interrupted; what was not written yet is not written."
+    except BrokenPipeError:
+        # The reader of our output, such as `head`, has seen enough; Python must not try to write the rest.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except Tf.ErrorException as error:
+        sentence = commentary(error)
+    except OSError as error:
+        sentence = f"{error.filename}: {error.strerror}" if error.filename else str(error)
+    print(f"error: {sentence}", file=sys.stderr)
+    return 1

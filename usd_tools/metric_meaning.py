@@ -1,0 +1,208 @@
+"""What a metric means to an artist: about which axes each joint is stiff, in whose frame, and what it brings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from geomstats_anim import LearnedMetric
+from geomstats_anim import rotations as quat
+from geomstats_anim.learning.assessment import Score
+
+BY_JOINT = "by_joint"
+"""Entry of the provenance with one list a column: joints by name, since metrics are reordered and provenance is not."""
+
+AS_SLERP = 1.02
+"""A joint whose largest moment is not this many times its smallest moves as slerp does."""
+
+NOTICEABLE = 5e-4
+"""Degrees of gain below which a metric makes no difference to a joint."""
+
+UNTILTED = 1.0
+"""Degrees by which a principal axis may be off the joint's own."""
+
+HEADER = ("joint", "stiff about", "free about", "ratio", "x, y, z", "frame", "gain over slerp")
+
+FRAMES = {"left": "own (left)", "right": "parent (right)"}
+
+EXPLANATION = (
+    "In-betweens turn as little as they can about a stiff axis, and rather about a free one; ratio 1 is slerp. In a "
+    "joint's own frame the axes move with it, in its parent's they stay. The gain is in degrees, in-sample."
+)
+
+
+@dataclass(frozen=True)
+class JointMeaning:
+    """What the metric of a joint means.
+
+    Parameters
+    ----------
+    joint : str
+    moments : tuple of float
+        About the three principal axes, as shares of the least.
+    axes : tuple of str
+        The joint's own axis that is nearest to each of them.
+    tilts : tuple of float
+        How far each is from it, degrees; 0 in a diagonal metric.
+    invariance : str
+        "left": judged in the joint's own frame; "right": in its parent's.
+    gain, slerp_error : float or None
+        Mean rotation error in degrees where the metric was learned: how far it is below slerp's, and slerp's.
+        None where nobody has stored it, or the joint does not turn.
+    turns : bool
+        False if it is known that the joint does not turn.
+    """
+
+    joint: str
+    moments: tuple[float, ...]
+    axes: tuple[str, ...]
+    tilts: tuple[float, ...]
+    invariance: str
+    gain: float | None
+    slerp_error: float | None
+    turns: bool
+
+    @property
+    def ratio(self) -> float:
+        """Condition number: 1 is as slerp."""
+        return max(self.moments)
+
+    @property
+    def is_slerp(self) -> bool:
+        """Whether the joint moves as slerp moves it."""
+        return self.ratio < AS_SLERP
+
+    @property
+    def matters(self) -> bool:
+        """Whether the metric makes a difference, as far as is known."""
+        return not self.is_slerp and self.turns and (self.gain is None or abs(self.gain) >= NOTICEABLE)
+
+    @property
+    def why_not(self) -> str:
+        """Why it makes none."""
+        if not self.turns:
+            return "do not turn"
+        return "as slerp" if self.is_slerp else "no difference, as they turn about one axis or hardly at all"
+
+    def axis(self, place: int) -> str:
+        """Name a principal axis."""
+        tilt = self.tilts[place]
+        return self.axes[place] if tilt <= UNTILTED else f"{self.axes[place]} ({tilt:.0f}° off)"
+
+    @property
+    def stiff(self) -> str:
+        """Axis about which turns are dearest."""
+        return self.axis(int(np.argmax(self.moments)))
+
+    @property
+    def free(self) -> str:
+        """Axis about which turns are cheapest."""
+        return self.axis(int(np.argmin(self.moments)))
+
+
+def joint_meanings(metric: LearnedMetric) -> list[JointMeaning]:
+    """Tell what the metric of each joint means.
+
+    Parameters
+    ----------
+    metric : LearnedMetric
+
+    Returns
+    -------
+    meanings : list of JointMeaning
+        What matters most comes first: by the gain over slerp, and where that is not known by the ratio.
+    """
+    parameters = metric.parameters
+    moments = parameters.moments / parameters.moments.min(axis=-1, keepdims=True)
+    # the rows of P are the principal axes, as the joint sees them
+    rows = quat.to_matrix(parameters.axes_quaternions)
+    nearest = np.abs(rows).argmax(axis=-1)
+    cosines = np.take_along_axis(np.abs(rows), nearest[..., None], axis=-1)[..., 0]
+    tilts = np.degrees(np.arccos(np.clip(cosines, 0.0, 1.0)))
+    stored = metric.provenance.get(BY_JOINT)
+    known = {}
+    if isinstance(stored, dict) and len(stored.get("joints", ())) == len(stored.get("degrees", ())):
+        columns = (stored["joints"], stored["degrees"], stored.get("slerp_degrees", ()))
+        known = {joint: (slerp - learned, slerp) for joint, learned, slerp in zip(*columns, strict=False)}
+    meanings = []
+    for i, joint in enumerate(metric.joints):
+        gain, slerp = known.get(joint, (None, None))
+        meanings.append(
+            JointMeaning(
+                joint,
+                tuple(moments[i].tolist()),
+                tuple("xyz"[axis] for axis in nearest[i]),
+                tuple(tilts[i].tolist()),
+                parameters.invariance[i],
+                None if gain is None else round(gain, 4),
+                slerp,
+                not known or joint in known,
+            )
+        )
+    return sorted(meanings, key=lambda one: (not one.matters, -(one.gain or 0.0), -one.ratio))
+
+
+def table_rows(meanings: Sequence[JointMeaning]) -> list[tuple[str, ...]]:
+    """Rows of a table with `HEADER`; joints on which the metric has no bearing share the last rows."""
+    ends = [_end(one.joint) for one in meanings]
+    rows = [_row(one, short=ends.count(_end(one.joint)) == 1) for one in meanings if one.matters]
+    groups: dict[str, int] = {}
+    for one in meanings:
+        if not one.matters:
+            groups[one.why_not] = groups.get(one.why_not, 0) + 1
+    rows += [(f"{count} joint{'s' if count > 1 else ''}: {words}",) for words, count in groups.items()]
+    return rows
+
+
+def _end(joint: str) -> str:
+    return joint.rsplit("/", 1)[-1]
+
+
+def _row(meaning: JointMeaning, short: bool) -> tuple[str, ...]:
+    by_axis = sorted(zip(meaning.axes, meaning.moments, strict=True))
+    gain = "not stored"
+    if meaning.gain is not None and meaning.slerp_error is not None:
+        gain = f"{meaning.gain:+.3f} of {meaning.slerp_error:.3f}"
+    return (
+        _end(meaning.joint) if short else meaning.joint,
+        meaning.stiff,
+        meaning.free,
+        f"{meaning.ratio:.3g}",
+        ", ".join(f"{moment:.3g}" for _, moment in by_axis),
+        FRAMES[meaning.invariance],
+        gain,
+    )
+
+
+def described(meaning: JointMeaning) -> dict[str, Any]:
+    """Tell the same as plain values: the fields of `JointMeaning`, and stiff, free, ratio, matters."""
+    names = ("stiff", "free", "ratio", "matters")
+    return asdict(meaning) | {name: getattr(meaning, name) for name in names}
+
+
+def worth(provenance: Mapping[str, Any]) -> list[str]:
+    """Say what a stored metric was worth where it was learned, and where it was not.
+
+    Parameters
+    ----------
+    provenance : mapping
+        Of a metric that `learn` made; of others nothing is said.
+
+    Returns
+    -------
+    sentences : list of str
+    """
+    try:
+        unseen = provenance["out_of_sample"]
+        rows = [("in-sample", provenance["score"], provenance["slerp_score"])]
+        rows += [
+            (f"out-of-sample, {row[0]}", row[1], row[2])
+            for row in zip(unseen["what"], unseen["scores"], unseen["slerp_scores"], strict=True)
+        ]
+        scores = [Score(what, False, float(learned), float(slerp)) for what, learned, slerp in rows]
+    except (KeyError, TypeError, ValueError):
+        return []
+    return [f"{one.what[0].upper()}{one.what[1:]}: {100.0 * one.gain:+z.1f} %, {one.verdict}." for one in scores]

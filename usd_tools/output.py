@@ -1,0 +1,109 @@
+"""Where a command's result goes: a layer over the source, one flattened file, or the source itself."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pxr import Usd
+
+from usd_tools.errors import ToolError
+from usd_tools.files import check_output, check_usd_output, same_file
+from usd_tools.skel_writer import OverrideLayer, save, save_in_place
+
+
+def add_options(parse: argparse.ArgumentParser) -> None:
+    """Add the options that say how a USD file is written."""
+    parse.add_argument("-f", "--flatten", action="store_true", help="write one file that does not need the source")
+    parse.add_argument("--usdFormat", choices=("usda", "usdc"), help="for an OUT that ends in .usd; default: usdc")
+    parse.add_argument("--in-place", action="store_true", help="change IN itself")
+
+
+@dataclass(frozen=True)
+class Output:
+    """Where the result goes.
+
+    Parameters
+    ----------
+    source : Path
+        File that is read.
+    out : Path or None
+        File to write.
+    in_place : bool
+        Whether to change the source.
+    flatten : bool
+    usd_format : str or None
+    report : Path or None
+        File for what was done.
+    """
+
+    source: Path
+    out: Path | None
+    in_place: bool
+    flatten: bool
+    usd_format: str | None
+    report: Path | None
+
+    @classmethod
+    def of(cls, args: argparse.Namespace, source: Path) -> Output:
+        """Take it from the command line."""
+        return cls(source, args.out, args.in_place, args.flatten, args.usdFormat, args.report)
+
+    @property
+    def path(self) -> Path:
+        """File that is written."""
+        return self.source if self.in_place or self.out is None else self.out
+
+    def check(self) -> None:
+        """Check the names, before any work is done.
+
+        Raises
+        ------
+        ToolError
+            If one of them cannot be written, or is another's.
+        """
+        if self.out is not None:
+            check_usd_output(self.out, self.usd_format)
+            if same_file(self.out, [self.source]) and not self.in_place:
+                raise ToolError(f"--out {self.out} is the input itself; choose another name, or add --in-place.")
+            if self.in_place and not same_file(self.out, [self.source]):
+                raise ToolError(f"--in-place changes {self.source}, but --out is {self.out}; leave one of them out.")
+        if self.in_place:
+            if self.source.suffix == ".usdz":
+                raise ToolError(
+                    f"{self.source} is a package and cannot be changed in place; name another file with --out."
+                )
+            check_output(self.source, "--in-place")
+        check_report(self.report, self.source, self.path)
+
+    def check_layers(self, stage: Usd.Stage) -> None:
+        """Refuse to write over a file that the source needs."""
+        needed = [layer.realPath for layer in stage.GetUsedLayers() if layer != stage.GetRootLayer()]
+        for argument, path in (("--out", self.out), ("--report", self.report)):
+            if path is not None and same_file(path, needed):
+                raise ToolError(f"{argument} {path} is a file that {self.source} needs; choose another name.")
+
+    def layer(
+        self, stage: Usd.Stage, tool: str, settings: Mapping[str, Any], codes_per_second: float | None = None
+    ) -> OverrideLayer:
+        """Begin the layer that is to be written; see `OverrideLayer`."""
+        base = stage.GetRootLayer() if self.in_place and not self.flatten else None
+        return OverrideLayer(stage, tool, settings, codes_per_second, base)
+
+    def save(self, layer: OverrideLayer) -> None:
+        """Write the layer."""
+        if self.in_place and not self.flatten:
+            save_in_place(layer, self.source.resolve())
+        else:
+            save(layer, self.source, self.path, self.usd_format, self.flatten)
+
+
+def check_report(report: Path | None, *others: Path) -> None:
+    """Check the name of a report: a file that can be written, and none of the others."""
+    if report is not None:
+        check_output(report, "--report")
+        if same_file(report, others) or report.resolve() in [other.resolve() for other in others]:
+            raise ToolError(f"--report {report} is the input or the output; choose another name.")

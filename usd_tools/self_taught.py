@@ -1,0 +1,67 @@
+"""`upsample --metric learn`: a metric that an animation teaches itself before it is upsampled.
+
+Every other sample is kept as a key, and the metric is sought that predicts the samples between: that is the same task
+as putting a new sample into every gap, at twice the spacing, and the only spacing near to it at which the truth is
+known. What is wanted are frames that nobody has seen, so the purpose is to predict: blocked cross-validation shrinks
+the metric towards slerp's, and keeps slerp's own unless it is sure of a gain. The search is the gradient's.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from geomstats_anim import LearnedMetric
+from geomstats_anim.learning.learn import SCHEMES
+from usd_tools.errors import Messages, ToolError
+from usd_tools.lesson import Recipe, teach
+from usd_tools.progress import SearchProgress
+from usd_tools.skel_reader import SkelClip
+from usd_tools.style_controls import identity_metric
+from usd_tools.takes import take_of
+
+RATE = 0.5
+
+
+def taught_by_itself(path: Path, clip: SkelClip, scheme: str | None, messages: Messages) -> LearnedMetric:
+    """Learn a metric from an animation, and say on stdout what it brings.
+
+    Parameters
+    ----------
+    path : Path
+        File that the animation is in.
+    clip : SkelClip
+    scheme : str or None
+        Scheme to learn for; None for the usual one.
+    messages : Messages
+        Told if there is nothing to learn from, so that slerp's metric is used.
+
+    Returns
+    -------
+    metric : LearnedMetric
+
+    Raises
+    ------
+    ToolError
+        If nothing can be learned for the scheme.
+    """
+    if scheme is not None and scheme not in SCHEMES:
+        raise ToolError(
+            f"--metric learn learns for --scheme {', '.join(SCHEMES)}, not for {scheme}; choose one of them."
+        )
+    recipe = Recipe(rate=RATE, purpose="predict", scheme=scheme or SCHEMES[0])
+    try:
+        take = take_of(path, clip)
+        with SearchProgress(None) as progress:
+            lesson = teach([take], recipe, progress.watch)
+    except ToolError as error:
+        messages.warn(f"{str(error).rstrip('.')}; slerp's metric is used.")
+        return identity_metric(clip.joints, recipe.scheme)
+    if lesson.is_slerp:
+        gained = "no metric is sure to predict the others better than slerp: a tie, and slerp's metric is kept"
+    else:
+        unseen = lesson.cross_validated
+        assert unseen is not None
+        tie = ", which is a tie" if unseen.verdict == "ties with slerp" else ""
+        gained = f"the others are predicted {100.0 * unseen.gain:.1f} % better than by slerp (cross-validated){tie}"
+    print(f"{clip.path}: learned from every other sample; {gained}.")
+    return lesson.metric

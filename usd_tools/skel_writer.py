@@ -1,0 +1,233 @@
+"""From resampled clips to a USD file: an override layer over the source, or one flattened file."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pxr import Sdf, Usd, UsdUtils
+
+from geomstats_anim import LearnedMetric, __version__
+from usd_tools.channels import CHANNELS, Channel
+from usd_tools.errors import TEMPORARY, Messages, ToolError
+from usd_tools.files import relative_asset_path, written_beside
+from usd_tools.instancing import editable_paths
+from usd_tools.metric_attributes import NAMESPACE, write_metric, write_summary
+from usd_tools.skel_reader import AnimationSource
+
+TOOL = "geomstats_anim"
+"""Key of `customLayerData` that says what made a file."""
+
+_NOT_COPIED = {
+    "subLayers",
+    "subLayerOffsets",
+    "comment",
+    "documentation",
+    "primOrder",
+    "layerRelocates",
+    "customLayerData",
+}
+"""What a layer says of itself, and not of the stage."""
+
+
+class OverrideLayer:
+    """A layer that changes animations of a stage and leaves everything else to it by composition.
+
+    Parameters
+    ----------
+    stage : Usd.Stage
+        The source.
+    tool : str
+        What makes the layer, for its `customLayerData`.
+    settings : mapping
+        Plain values, for its `customLayerData`.
+    codes_per_second : float
+        Plays the source at another number of time codes a second: USD stretches a sublayer whose rate differs.
+        Optional, default: the source's own.
+    base : Sdf.Layer
+        Layer to be changed in place.
+        Optional, default: a new layer, to be put over the source.
+    """
+
+    def __init__(
+        self,
+        stage: Usd.Stage,
+        tool: str,
+        settings: Mapping[str, Any],
+        codes_per_second: float | None = None,
+        base: Sdf.Layer | None = None,
+    ) -> None:
+        self.layer = Sdf.Layer.CreateAnonymous(".usda")
+        root = stage.GetRootLayer()
+        self.stretch = 1.0
+        if base is not None:
+            self.layer.TransferContent(base)
+        else:
+            # Stage metadata counts in the root layer only: what is not copied up is lost, the frame rate first.
+            for key in root.pseudoRoot.ListInfoKeys():
+                if key not in _NOT_COPIED:
+                    self.layer.pseudoRoot.SetInfo(key, root.pseudoRoot.GetInfo(key))
+        if codes_per_second is not None:
+            self.stretch = codes_per_second / stage.GetTimeCodesPerSecond()
+            self.layer.timeCodesPerSecond = self.layer.framesPerSecond = codes_per_second
+            if root.HasStartTimeCode():
+                self.layer.startTimeCode = root.startTimeCode * self.stretch
+            if root.HasEndTimeCode():
+                self.layer.endTimeCode = root.endTimeCode * self.stretch
+        made_by = {"tool": tool, "version": __version__, "settings": dict(settings)}
+        self.layer.customLayerData = {**root.customLayerData, TOOL: made_by}
+
+    def write_animation(
+        self,
+        source: AnimationSource,
+        channels: Mapping[str, Channel],
+        defaults: Mapping[str, np.ndarray],
+        metric: LearnedMetric | None,
+        messages: Messages,
+    ) -> None:
+        """Write the samples of an animation, all of them: one sample here hides every sample below.
+
+        Parameters
+        ----------
+        source : AnimationSource
+        channels : mapping of str to Channel
+            Sampled attributes.
+        defaults : mapping of str to array-like, shape=[N, C]
+            Attributes that get a default value only.
+        metric : LearnedMetric
+        messages : Messages
+            Told of instances that have to be given up.
+        """
+        for path in editable_paths(self.layer, source, messages):
+            spec = Sdf.CreatePrimInLayer(self.layer, path)
+            for name, values in defaults.items():
+                kind = CHANNELS[name]
+                _attribute(spec, name).default = kind.to_usd(values.astype(kind.dtype))
+            for name, channel in channels.items():
+                self._write_samples(_attribute(spec, name), channel)
+            if metric is not None:
+                axes = source.prim.GetAttribute(f"{NAMESPACE}:axes")
+                write_metric(spec, metric, hide_axes=bool(axes) and axes.HasAuthoredValue())
+        if metric is not None:
+            for skeleton in source.skeletons:
+                if not skeleton.IsInstanceProxy():
+                    write_summary(Sdf.CreatePrimInLayer(self.layer, skeleton.GetPath()), metric)
+
+    def _write_samples(self, spec: Sdf.AttributeSpec, channel: Channel) -> None:
+        kind, block = CHANNELS[channel.name], Sdf.ValueBlock()
+        spec.ClearInfo("timeSamples")
+        path, codes = spec.path, (channel.codes * self.stretch).tolist()
+        with Sdf.ChangeBlock():
+            for code, values, is_blocked in zip(codes, channel.values, channel.blocked, strict=True):
+                self.layer.SetTimeSample(path, code, block if is_blocked else kind.to_usd(values))
+
+
+def _attribute(spec: Sdf.PrimSpec, name: str) -> Sdf.AttributeSpec:
+    return spec.attributes.get(name) or Sdf.AttributeSpec(spec, name, CHANNELS[name].value_type)
+
+
+def save(
+    override: OverrideLayer, source: Path, out: Path, usd_format: str | None = None, flatten: bool = False
+) -> None:
+    """Write an override layer to a file, over its source or flattened with it.
+
+    Parameters
+    ----------
+    override : OverrideLayer
+    source : Path
+        File that it goes over.
+    out : Path
+        Its extension says how: .usda is text, .usdc binary, .usdz a package of both layers.
+    usd_format : str
+        "usda" or "usdc" for a file that ends in .usd.
+        Optional, default: "usdc".
+    flatten : bool
+        Whether to write one layer with everything in it.
+        Optional, default: False.
+
+    Raises
+    ------
+    ToolError
+        If it cannot be written.
+    """
+    with written_beside(out) as beside:
+        if out.suffix == ".usdz":
+            _save_package(override.layer, source, beside, flatten)
+        else:
+            layer = _flattened(override.layer, source, out.parent) if flatten else override.layer
+            if not flatten:
+                layer.subLayerPaths = [relative_asset_path(source, out.parent)]
+            _export(layer, beside, usd_format)
+
+
+def save_in_place(override: OverrideLayer, source: Path) -> None:
+    """Write an override layer that was made from its source back to it, in the same format.
+
+    Raises
+    ------
+    ToolError
+        If it cannot be written.
+    """
+    with open(source, "rb") as file:
+        is_binary = file.read(8) == b"PXR-USDC"
+    with written_beside(source) as beside:
+        _export(override.layer, beside, ("usdc" if is_binary else "usda") if source.suffix == ".usd" else None)
+
+
+def _export(layer: Sdf.Layer, path: Path, usd_format: str | None) -> None:
+    arguments = {"format": usd_format or "usdc"} if path.suffix == ".usd" else {}
+    if not layer.Export(str(path), args=arguments):
+        raise ToolError(f"{path.name} cannot be written; is there room on the disk?")
+
+
+def _flattened(override: Sdf.Layer, source: Path, folder: Path) -> Sdf.Layer:
+    """Everything in one layer, with the files that it needs named as seen from a folder."""
+    override.subLayerPaths = [os.path.abspath(source)]
+    layer = Usd.Stage.Open(override).Flatten(addSourceFileComment=False)
+    for key in override.pseudoRoot.ListInfoKeys():
+        if key not in _NOT_COPIED or key == "customLayerData":
+            layer.pseudoRoot.SetInfo(key, override.pseudoRoot.GetInfo(key))
+    UsdUtils.ModifyAssetPaths(
+        layer, lambda path: relative_asset_path(Path(path), folder) if os.path.isabs(path) else path
+    )
+    return layer
+
+
+def _save_package(override: Sdf.Layer, source: Path, out: Path, flatten: bool) -> None:
+    """Write a usdz package of an override layer, its source, and all files that they need."""
+    with tempfile.TemporaryDirectory(prefix=TEMPORARY) as folder:
+        if source.suffix == ".usdz":
+            # A package in a package is not valid usdz, so the source is packed anew.
+            with zipfile.ZipFile(source) as package:
+                package.extractall(folder)
+                source = Path(folder) / package.namelist()[0]
+        root = Path(folder) / f"{out.stem}.usdc"
+        while root.exists():
+            root = root.with_stem(f"{root.stem}_over")
+        if flatten:
+            _export(_flattened(override, source, root.parent), root, None)
+        else:
+            override.subLayerPaths = [os.path.abspath(source)]
+            _export(override, root, None)
+        if not UsdUtils.CreateNewUsdzPackage(str(root), str(out)):
+            raise ToolError(f"{out.name} cannot be packed; does every file that the source needs exist?")
+    _forget_times(out)
+
+
+def _forget_times(package: Path) -> None:
+    """Set every file's time in a package to 1980, the oldest of zip's, so that the same input makes the same bytes."""
+    date = b"\x00\x00\x21\x00"
+    data = bytearray(package.read_bytes())
+    with zipfile.ZipFile(package) as archive:
+        entry = archive.start_dir
+        for info in archive.infolist():
+            data[info.header_offset + 10 : info.header_offset + 14] = date
+            data[entry + 12 : entry + 16] = date
+            sizes = np.frombuffer(data, dtype="<u2", count=3, offset=entry + 28)
+            entry += 46 + int(sizes.sum())
+    package.write_bytes(data)

@@ -1,0 +1,106 @@
+"""What `upsample` says of its work: lines on stdout, warnings on stderr, and plain values for the report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from geomstats_anim.interpolation import Fallback
+from usd_tools.effective_metric import EffectiveMetric
+from usd_tools.errors import Messages
+from usd_tools.metric_attributes import summary
+from usd_tools.resampling import Resampled
+from usd_tools.rotation_steps import largest_step, rotation_steps, wide_steps
+from usd_tools.skel_reader import SkelClip
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """One animation: what is there, where samples go, with which metric, and the result."""
+
+    clip: SkelClip
+    codes: np.ndarray
+    effective: EffectiveMetric
+    result: Resampled
+
+
+def usual_rate(clip: SkelClip, codes: np.ndarray) -> float:
+    """Find the usual number of samples a second."""
+    return float(clip.codes_per_second / np.median(np.diff(codes)))
+
+
+def tell(job: Job, verbose: bool, messages: Messages) -> None:
+    """Say on stdout what happens to an animation, and on stderr what went wrong."""
+    clip, metric = job.clip, job.effective.metric
+    rates = f"{usual_rate(clip, clip.codes):g} -> {usual_rate(clip, job.codes):g} a second"
+    styles = ", styled" if "styles" in metric.provenance else ""
+    how = f"{metric.scheme}, {job.effective.origin} metric{styles}" if clip.joints else "blend shapes, linear"
+    joints = f"{len(clip.joints)} joint{'' if len(clip.joints) == 1 else 's'}"
+    print(f"{clip.path}: {len(clip.codes)} -> {len(job.codes)} samples, {joints}, {rates}; {how}")
+    for sentence in _fallback_sentences(clip, job.result.fallbacks):
+        messages.warn(sentence)
+    if verbose:
+        print(f"  drives {', '.join(str(prim.GetPath()) for prim in clip.source.skeletons) or 'no skeleton'}")
+        print(f"  {summary(metric)}")
+        for name, channel in clip.channels.items():
+            after = len(job.result.channels[name].codes) if name in job.result.channels else len(channel.codes)
+            print(f"  {name}: {len(channel.codes)} -> {after} samples")
+        for step in wide_steps(clip, rotation_steps(clip)):
+            messages.warn(f"{clip.path}: {step}; beyond 180 degrees a file cannot tell which way round it went.")
+
+
+def _fallback_sentences(clip: SkelClip, fallbacks: Sequence[Fallback]) -> list[str]:
+    """Name every slerped segment, one sentence a joint and reason."""
+    segments: dict[tuple[str, str], list[str]] = {}
+    for fallback in fallbacks:
+        start, end = (time * clip.codes_per_second for time in (fallback.start_time, fallback.end_time))
+        segments.setdefault((fallback.joint, fallback.status.sentence), []).append(f"{start:g} to {end:g}")
+    return [
+        f"{clip.path}: joint {joint} is slerped from time code {', '.join(where)}: {reason}"
+        for (joint, reason), where in segments.items()
+    ]
+
+
+def described(job: Job) -> dict[str, Any]:
+    """Tell what was done to an animation, as plain values."""
+    clip, degrees = job.clip, rotation_steps(job.clip)
+    largest = largest_step(clip, degrees)
+    return {
+        "prim": clip.path,
+        "skeletons": [str(prim.GetPath()) for prim in clip.source.skeletons],
+        "joints": len(clip.joints),
+        "scheme": job.effective.metric.scheme,
+        "metric": job.effective.origin,
+        "metric_summary": summary(job.effective.metric),
+        "joints_without_metric": list(job.effective.missing),
+        "samples_before": len(clip.codes),
+        "samples_after": len(job.codes),
+        "rate_before": usual_rate(clip, clip.codes),
+        "rate_after": usual_rate(clip, job.codes),
+        "first_time_code": float(clip.codes[0]),
+        "last_time_code": float(clip.codes[-1]),
+        "channels": {
+            name: {
+                "samples_before": len(clip.channels[name].codes),
+                "samples_after": len(channel.codes),
+                "value_blocks": int(channel.blocked.sum()),
+            }
+            for name, channel in job.result.channels.items()
+        },
+        "stepped_pairs": int(clip.steps.sum()),
+        "largest_step": None if largest is None else asdict(largest),
+        "wide_steps": [asdict(step) for step in wide_steps(clip, degrees)],
+        "fallbacks": [
+            {
+                "joint": fallback.joint,
+                "start": fallback.start_time * clip.codes_per_second,
+                "end": fallback.end_time * clip.codes_per_second,
+                "status": fallback.status.name,
+                "sentence": fallback.status.sentence,
+            }
+            for fallback in job.result.fallbacks
+        ],
+    }
