@@ -1,0 +1,184 @@
+"""Compare interpolation schemes: rebuild animations from few of their samples, score each, and write a report.
+
+python -m usd_tools.compare walk.usda run.usda -o comparison
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from geomstats_anim import SCHEMES, __version__
+from usd_tools import comparison_tables, selection
+from usd_tools.arguments import share, whole_number
+from usd_tools.comparison import RATES, Cell, Contender, Outcome, cells
+from usd_tools.comparison_files import ComparedClip, named, write_rebuilt, write_results
+from usd_tools.comparison_run import measure_all
+from usd_tools.corpus_files import Skipped, files_in, read_clips, take_all
+from usd_tools.errors import Messages, ToolError, run, usd_warnings
+from usd_tools.fresh_folder import check_folder, made_beside
+from usd_tools.learn_report import described_skipped
+from usd_tools.progress import Progress
+
+TOOL = "usd_tools.compare"
+KINDS = ("loc", "rot", "hyb")
+CONTENTS = ("figures", "index.html", "results.csv", "results.json", "usd")
+
+
+def parser() -> argparse.ArgumentParser:
+    """Make the parser of the command line."""
+    parse = argparse.ArgumentParser(
+        prog="python -m usd_tools.compare",
+        description="Rebuild skeletal animation from a share of its samples by every interpolation scheme, score each "
+        "against the original, and write a report: the experiment of Kushner, Modi and Miolane, for any clip.",
+        epilog="FOLDER gets results.json and results.csv, figures, every rebuilt clip as a USD layer over its source, "
+        "and index.html, a page with all of it and a player that needs no network. Metrics are learned for each clip "
+        "and rate, and scored on the very frames they were learned from (in-sample); beside them stand scores out of "
+        "sample: learned from the first half, scored on the second.",
+    )
+    parse.add_argument(
+        "inputs",
+        metavar="IN",
+        type=Path,
+        nargs="+",
+        help="USD file, or folder, searched with all folders in it",
+    )
+    parse.add_argument(
+        "-o", "--out", metavar="FOLDER", type=Path, required=True, help="folder to make, or to replace if it is ours"
+    )
+    parse.add_argument(
+        "--rates",
+        metavar="S",
+        type=share,
+        nargs="+",
+        default=list(RATES),
+        help=f"shares of the samples kept as uniform keys; default: {' '.join(f'{rate:g}' for rate in RATES)}",
+    )
+    parse.add_argument(
+        "--schemes",
+        metavar="SCHEME",
+        type=Contender.parse,
+        nargs="+",
+        default=[Contender.parse(scheme) for scheme in SCHEMES],
+        help=f"of {', '.join(SCHEMES)}; one that learns may carry its family, as in geodesic:spd; default: all",
+    )
+    parse.add_argument(
+        "--kind",
+        choices=KINDS,
+        default="hyb",
+        help="what learning minimises: places of bone ends (loc), angles of joints (rot), or half of each (default)",
+    )
+    parse.add_argument("--cpus", metavar="N", type=whole_number, help="workers; more than one starts Ray; default: 1")
+    parse.add_argument("--address", metavar="HOST:PORT", help="of a Ray cluster; default: RAY_ADDRESS, else none")
+    selection.add_option(parse)
+    return parse
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command and return its exit code."""
+    args = parser().parse_args(argv)
+    return run(lambda: compare(args))
+
+
+def compare(args: argparse.Namespace) -> int:
+    """Do what the arguments say."""
+    messages = Messages()
+    check_folder(args.out, TOOL, CONTENTS, ())
+    with usd_warnings(messages):
+        clips, skipped = _read(args, messages)
+        sources = [layer.realPath for each in clips for layer in each.clip.source.stage.GetUsedLayers()]
+        check_folder(args.out, TOOL, CONTENTS, [each.path for each in clips] + [path for path in sources if path])
+        outcomes = _measure(args, clips, messages)
+        with made_beside(args.out) as folder:
+            outcomes = _write(args, folder, clips, outcomes, skipped, messages)
+    for each in clips:
+        comparison_tables.tell(each.name, [o.row for o in outcomes if o.cell.clip == each.name], args.kind)
+    print(comparison_tables.EXPLANATION)
+    print(f"{args.out} is written; open {args.out / 'index.html'} in a browser.")
+    return 0
+
+
+def _read(args: argparse.Namespace, messages: Messages) -> tuple[list[ComparedClip], list[Skipped]]:
+    files = files_in(args.inputs, messages)
+    found, skipped = [], []
+    for path in files:
+        try:
+            taken, lost = take_all(path, read_clips(path, args.prim, messages), messages)
+        except ToolError as error:
+            if len(files) == 1:
+                raise
+            messages.warn(f"skipped: {error}")
+            taken, lost = [], [Skipped(path.name, str(error))]
+        found += [(path, clip, take) for clip, take in taken]
+        skipped += lost
+    if not found:
+        raise ToolError(f"None of the {len(files)} files can be compared; the warnings say why.")
+    return named(found), skipped
+
+
+def _measure(args: argparse.Namespace, clips: Sequence[ComparedClip], messages: Messages) -> list[Outcome]:
+    rates, contenders = list(dict.fromkeys(args.rates)), list(dict.fromkeys(args.schemes))
+    wanted = cells([each.name for each in clips], rates, contenders)
+    with Progress(len(wanted), "Comparing") as progress:
+
+        def done(outcome: Outcome) -> None:
+            if outcome.row.error is not None:
+                messages.warn(f"{outcome.cell} failed: {outcome.row.error}")
+            progress.advance(1.0, f"Comparing: {outcome.cell}")
+
+        return measure_all(wanted, {each.name: each.take for each in clips}, args.kind, args.address, args.cpus, done)
+
+
+def _write(
+    args: argparse.Namespace,
+    folder: Path,
+    clips: Sequence[ComparedClip],
+    outcomes: Sequence[Outcome],
+    skipped: list[Skipped],
+    messages: Messages,
+) -> list[Outcome]:
+    """Fill the folder."""
+    by_name = {each.name: each for each in clips}
+
+    def is_whole(cell: Cell, error: str | None) -> bool:
+        return not cell.unseen and error is None
+
+    outcomes = [
+        write_rebuilt(folder, by_name[outcome.cell.clip], outcome, TOOL, args.kind, messages)
+        if is_whole(outcome.cell, outcome.row.error)
+        else outcome
+        for outcome in outcomes
+    ]
+    head: dict[str, Any] = {
+        "tool": TOOL,
+        "version": __version__,
+        "settings": {
+            "rates": list(dict.fromkeys(args.rates)),
+            "schemes": list(dict.fromkeys(contender.word for contender in args.schemes)),
+            "kind": args.kind,
+            "prim": args.prim,
+        },
+        "clips": [
+            {
+                "clip": each.name,
+                "file": each.take.file,
+                "sha256": each.take.sha256,
+                "prim": each.take.prim,
+                "frames": each.take.n_frames,
+                "joints": each.take.skeleton.n_joints,
+                "stretches": len(each.take.stretches),
+            }
+            for each in clips
+        ],
+        "skipped": described_skipped(skipped),
+        "warnings": messages.warnings,
+    }
+    write_results(folder, head, [outcome.row for outcome in outcomes])
+    return outcomes
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,82 @@
+"""How many bytes the kept samples of a clip take, the metric that rebuilds the others included."""
+
+from __future__ import annotations
+
+import io
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from pxr import Sdf, Vt
+
+from geomstats_anim import Animation, LearnedMetric
+from usd_tools.channels import CHANNELS
+from usd_tools.errors import TEMPORARY
+from usd_tools.metric_attributes import write_metric
+
+
+def bytes_numpy(keys: Sequence[Animation], metric: LearnedMetric | None) -> int:
+    """Count bytes as the papers do: the sum of the sizes of NumPy files.
+
+    They are the rotations as quaternions and the translations of all joints, and of a metric each array of parameters;
+    float32, sides as one byte a joint.
+
+    Parameters
+    ----------
+    keys : sequence of Animation
+        Kept frames.
+    metric : LearnedMetric or None
+
+    Returns
+    -------
+    size : int
+    """
+    arrays = [np.concatenate([getattr(part, name) for part in keys]) for name in ("rotations", "translations")]
+    if metric is not None:
+        values = (*vars(metric).values(), *vars(metric.parameters).values())
+        arrays += [value for value in values if isinstance(value, np.ndarray)]
+    files = [array.astype(np.float32) for array in arrays]
+    if metric is not None:
+        files.append(metric.parameters.is_right)
+    return sum(_npy_size(array) for array in files)
+
+
+def _npy_size(array: np.ndarray) -> int:
+    file = io.BytesIO()
+    np.save(file, array)
+    return file.tell()
+
+
+def bytes_usdc(keys: Sequence[Animation], metric: LearnedMetric | None) -> int:
+    """Size of a usdc file that holds one SkelAnimation with the kept samples, and its metric.
+
+    Parameters
+    ----------
+    keys : sequence of Animation
+        Kept frames.
+    metric : LearnedMetric or None
+
+    Returns
+    -------
+    size : int
+    """
+    layer = Sdf.Layer.CreateAnonymous(".usdc")
+    prim = Sdf.PrimSpec(layer, "Animation", Sdf.SpecifierDef, "SkelAnimation")
+    Sdf.AttributeSpec(prim, "joints", Sdf.ValueTypeNames.TokenArray).default = Vt.TokenArray(keys[0].skeleton.joints)
+    for name in ("rotations", "translations", "scales"):
+        kind = CHANNELS[name]
+        attribute = Sdf.AttributeSpec(prim, name, kind.value_type)
+        if getattr(keys[0], name) is None:
+            attribute.default = kind.to_usd(np.ones((keys[0].n_joints, kind.width), dtype=kind.dtype))
+            continue
+        with Sdf.ChangeBlock():
+            for part in keys:
+                for time, values in zip(part.times.tolist(), getattr(part, name), strict=True):
+                    layer.SetTimeSample(attribute.path, time, kind.to_usd(values.astype(kind.dtype)))
+    if metric is not None:
+        write_metric(prim, metric)
+    with tempfile.TemporaryDirectory(prefix=TEMPORARY) as folder:
+        path = Path(folder) / "kept.usdc"
+        layer.Export(str(path))
+        return path.stat().st_size
