@@ -20,7 +20,7 @@ from ray.tune.search import ConcurrencyLimiter
 from ray.tune.search.hyperopt import HyperOptSearch
 
 from geomstats_anim.learning.gradient import Learnable
-from geomstats_anim.learning.ray_runtime import require, running
+from geomstats_anim.learning.ray_runtime import running
 from geomstats_anim.learning.tpe import (
     STARTUP,
     TRIALS,
@@ -32,6 +32,7 @@ from geomstats_anim.learning.tpe import (
     as_document,
     point_of,
 )
+from geomstats_anim.learning.tune_loggers import file_loggers, wandb_logger
 
 METRIC, MODE = "quality", "min"
 
@@ -93,10 +94,9 @@ def _tuner(
     if settings.resume and _has_state(folder):
         return tune.Tuner.restore(str(folder), trainable, resume_unfinished=True)
     recorder = _Recorder(journal, settings)
-    callbacks: list[tune.Callback] = [recorder]
+    callbacks = [recorder, *file_loggers()]
     if settings.wandb:
-        require("wandb", "wandb")
-        callbacks.append(require("ray.air.integrations.wandb", "wandb").WandbLoggerCallback(project=settings.wandb))
+        callbacks.append(wandb_logger(settings.wandb))
     return tune.Tuner(
         trainable,
         tune_config=tune.TuneConfig(
