@@ -274,16 +274,19 @@ def _has_state(folder: Path) -> bool:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep Tune from printing; what we print ourselves says enough."""
-    output, logger = os.environ.get("RAY_AIR_NEW_OUTPUT"), logging.getLogger("ray")
-    os.environ["RAY_AIR_NEW_OUTPUT"] = "0"
+    """Keep Tune from printing, since what we print ourselves says enough, and from taking Ctrl+C for the end."""
+    # Tune would hand over what it has as if that were all, and never give the signal back.
+    wanted = {"RAY_AIR_NEW_OUTPUT": "0", "TUNE_DISABLE_SIGINT_HANDLER": "1"}
+    before, logger = {name: os.environ.get(name) for name in wanted}, logging.getLogger("ray")
+    os.environ.update(wanted)
     level = logger.level
     logger.setLevel(logging.CRITICAL)
     try:
         yield
     finally:
         logger.setLevel(level)
-        if output is None:
-            del os.environ["RAY_AIR_NEW_OUTPUT"]
-        else:
-            os.environ["RAY_AIR_NEW_OUTPUT"] = output
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value

@@ -65,6 +65,17 @@ def test_a_killed_run_goes_on(tmp_path, seconds):
     assert resumed.splitlines()[-1] == whole.splitlines()[-1]
 
 
+def test_an_interrupted_run_is_not_taken_for_a_finished_one(tmp_path):
+    run = start(tmp_path, 3000)
+    while int(run.stdout.readline()) < 5:
+        pass
+    run.send_signal(signal.SIGINT)
+    rest, errors = run.communicate()
+    assert errors.endswith("KeyboardInterrupt\n")
+    assert all(line.isdigit() for line in rest.splitlines())  # progress, and no result
+    assert len(journal(tmp_path)) < 100
+
+
 def test_other_tools_read_the_results(tmp_path, monkeypatch):
     from ray.tune import ExperimentAnalysis
     from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
