@@ -8,13 +8,14 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from geomstats_anim import SCHEMES, __version__
 from usd_tools import comparison_tables, selection
 from usd_tools.arguments import share, whole_number
-from usd_tools.comparison import RATES, Cell, Contender, Outcome, cells
+from usd_tools.comparison import RATES, Contender, Outcome, Row, cells
 from usd_tools.comparison_files import ComparedClip, named, write_rebuilt, write_results
 from usd_tools.comparison_run import measure_all
 from usd_tools.corpus_files import Skipped, files_in, read_clips, take_all
@@ -22,6 +23,7 @@ from usd_tools.errors import Messages, ToolError, run, usd_warnings
 from usd_tools.fresh_folder import check_folder, made_beside
 from usd_tools.learn_report import described_skipped
 from usd_tools.progress import Progress
+from usd_tools.report.report import write_report
 
 TOOL = "usd_tools.compare"
 KINDS = ("loc", "rot", "hyb")
@@ -93,9 +95,9 @@ def compare(args: argparse.Namespace) -> int:
         check_folder(args.out, TOOL, CONTENTS, [each.path for each in clips] + [path for path in sources if path])
         outcomes = _measure(args, clips, messages)
         with made_beside(args.out) as folder:
-            outcomes = _write(args, folder, clips, outcomes, skipped, messages)
+            rows = _write(args, folder, clips, outcomes, skipped, messages)
     for each in clips:
-        comparison_tables.tell(each.name, [o.row for o in outcomes if o.cell.clip == each.name], args.kind)
+        comparison_tables.tell(each.name, [row for row in rows if row.clip == each.name], args.kind)
     print(comparison_tables.EXPLANATION)
     print(f"{args.out} is written; open {args.out / 'index.html'} in a browser.")
     return 0
@@ -139,20 +141,28 @@ def _write(
     outcomes: Sequence[Outcome],
     skipped: list[Skipped],
     messages: Messages,
-) -> list[Outcome]:
+) -> list[Row]:
     """Fill the folder."""
     by_name = {each.name: each for each in clips}
+    rows = []
+    for outcome in outcomes:
+        row = outcome.row
+        if not outcome.cell.unseen and row.error is None:
+            usd = write_rebuilt(folder, by_name[row.clip], outcome, TOOL, args.kind, messages)
+            row = replace(row, usd=usd)
+        rows.append(row)
+    head = _head(args, clips, skipped, messages)
+    write_results(folder, head, rows)
+    with Progress(None, "Drawing") as progress:
+        write_report(folder, head, clips, outcomes, rows, progress.advance)
+    return rows
 
-    def is_whole(cell: Cell, error: str | None) -> bool:
-        return not cell.unseen and error is None
 
-    outcomes = [
-        write_rebuilt(folder, by_name[outcome.cell.clip], outcome, TOOL, args.kind, messages)
-        if is_whole(outcome.cell, outcome.row.error)
-        else outcome
-        for outcome in outcomes
-    ]
-    head: dict[str, Any] = {
+def _head(
+    args: argparse.Namespace, clips: Sequence[ComparedClip], skipped: list[Skipped], messages: Messages
+) -> dict[str, Any]:
+    """Tell what is compared, as plain values without paths of this machine."""
+    return {
         "tool": TOOL,
         "version": __version__,
         "settings": {
@@ -176,8 +186,6 @@ def _write(
         "skipped": described_skipped(skipped),
         "warnings": messages.warnings,
     }
-    write_results(folder, head, [outcome.row for outcome in outcomes])
-    return outcomes
 
 
 if __name__ == "__main__":

@@ -79,7 +79,7 @@ def write_results(folder: Path, head: Mapping[str, Any], rows: Sequence[Row]) ->
 
 def write_rebuilt(
     folder: Path, compared: ComparedClip, outcome: Outcome, tool: str, kind: str, messages: Messages
-) -> Outcome:
+) -> str:
     """Write a rebuilt clip as a layer over its source, in the folder `usd`.
 
     Every kept sample is the source's, bit for bit; the metric is stored with the animation.
@@ -97,8 +97,8 @@ def write_rebuilt(
 
     Returns
     -------
-    outcome : Outcome
-        Its row names the file.
+    name : str
+        Of the file, as seen from the folder.
     """
     cell, clip = outcome.cell, compared.clip
     scheme = cell.contender.scheme
@@ -110,7 +110,7 @@ def write_rebuilt(
     name = f"usd/{cell.clip}/{cell.rate:g}/{cell.contender.word.replace(':', '_')}.usdc"
     (folder / name).parent.mkdir(parents=True, exist_ok=True)
     save(layer, compared.path, folder / name)
-    return replace(outcome, row=replace(outcome.row, usd=name))
+    return name
 
 
 def rebuilt_channels(clip: SkelClip, take: Take, rebuilt: Rebuilt) -> dict[str, Channel]:

@@ -25,9 +25,9 @@ HEADER = (
     "fitted unseen Q",
 )
 EXPLANATION = (
-    "Q is summed over joints and averaged over frames; lower is better. What is learned is scored on the frames that it "
-    "was learned from (in-sample). Out of sample is 'unseen Q': the second half of the clip, with the metric learned from "
-    "the first half to predict, and 'fitted unseen Q': with the one that fits the first half best."
+    "Q is summed over joints and averaged over frames; lower is better. What is learned is scored on the frames that "
+    "it was learned from (in-sample). Out of sample is 'unseen Q': the second half of the clip, with the metric learned "
+    "from the first half to predict, and 'fitted unseen Q': with the one that fits the first half best."
 )
 
 

@@ -35,7 +35,8 @@ def bytes_numpy(keys: Sequence[Animation], metric: LearnedMetric | None) -> int:
     arrays = [np.concatenate([getattr(part, name) for part in keys]) for name in ("rotations", "translations")]
     if metric is not None:
         values = (*vars(metric).values(), *vars(metric.parameters).values())
-        arrays += [value for value in values if isinstance(value, np.ndarray)]
+        # no tension at all is said by the scheme
+        arrays += [value for value in values if isinstance(value, np.ndarray) and value.any()]
     files = [array.astype(np.float32) for array in arrays]
     if metric is not None:
         files.append(metric.parameters.is_right)
