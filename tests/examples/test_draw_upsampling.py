@@ -11,6 +11,7 @@ needs_matplotlib = pytest.mark.skipif(
 )
 
 
+@pytest.mark.slow
 @needs_matplotlib
 def test_draws_a_generated_clip(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(draw_upsampling, "_FINE", 1)

@@ -122,6 +122,7 @@ def test_no_cluster_is_told_at_once(address, message):
     assert time.monotonic() - begin < 20.0
 
 
+@pytest.mark.slow
 def test_all_joints_at_once(ray_instance, tmp_path, capfd):
     objective = objective_of()
     settings = TuneSettings(trials=12, cpus=1, folder=tmp_path / "results")
@@ -149,6 +150,7 @@ def test_all_joints_at_once_stop_when_converged(ray_instance):
     assert 5 <= found.evaluations < 10
 
 
+@pytest.mark.slow
 def test_a_failing_objective_ends_the_search(ray_instance):
     class Failing(Objective):
         def value(self, parameters):
