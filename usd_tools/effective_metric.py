@@ -109,7 +109,10 @@ def _effective(
             f"{clip.path}: the metric asks for the scheme {metric.scheme!r}, which this program does not have; "
             f"choose --scheme {', '.join(SCHEMES)}."
         )
-    metric = styled(replace(metric, scheme=scheme or metric.scheme), styles)
+    try:
+        metric = styled(replace(metric, scheme=scheme or metric.scheme), styles)
+    except ValueError as error:
+        raise ToolError(f"{clip.path} cannot be styled so: {error}") from error
     return EffectiveMetric(metric, origin, missing)
 
 

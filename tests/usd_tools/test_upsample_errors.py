@@ -237,6 +237,13 @@ def test_joint_styles(tmp_path, clip, refused):
         assert sentence == f"argument --joint: {words}"
 
 
+def test_styles_beyond_what_geodesics_are_found_for(tmp_path, clip, refused):
+    out = ["-o", tmp_path / "out.usda", "--factor", 2]
+    for style in (["--alpha", "1e4", "--beta", "1e-4"], ["--joint", "hips:alpha=1e300"]):
+        sentence = refused(clip, *out, *style)
+        assert sentence.startswith(f"{ANIMATION} cannot be styled so: The metric of joint 0 has the condition number 1e+")
+
+
 def test_metric(tmp_path, clip, refused):
     out = ["-o", tmp_path / "out.usda", "--factor", 2]
     sentence = refused(clip, *out, "--metric", "stored")
