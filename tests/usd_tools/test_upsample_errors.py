@@ -240,8 +240,8 @@ def test_joint_styles(tmp_path, clip, refused):
 def test_styles_beyond_what_geodesics_are_found_for(tmp_path, clip, refused):
     out = ["-o", tmp_path / "out.usda", "--factor", 2]
     for style in (["--alpha", "1e4", "--beta", "1e-4"], ["--joint", "hips:alpha=1e300"]):
-        sentence = refused(clip, *out, *style)
-        assert sentence.startswith(f"{ANIMATION} cannot be styled so: The metric of joint 0 has the condition number 1e+")
+        words = "cannot be styled so: The metric of joint 0 has the condition number 1e+"
+        assert refused(clip, *out, *style).startswith(f"{ANIMATION} {words}")
 
 
 def test_metric(tmp_path, clip, refused):
