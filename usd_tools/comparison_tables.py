@@ -26,8 +26,8 @@ HEADER = (
 )
 EXPLANATION = (
     "Q is summed over joints and averaged over frames; lower is better. What is learned is scored on the frames that "
-    "it was learned from (in-sample). Out of sample is 'unseen Q': the second half of the clip, with the metric learned "
-    "from the first half to predict, and 'fitted unseen Q': with the one that fits the first half best."
+    "it was learned from (in-sample). Out of sample is 'unseen Q': the second half of the clip, with the metric "
+    "learned from the first half to predict, and 'fitted unseen Q': with the one that fits the first half best."
 )
 
 

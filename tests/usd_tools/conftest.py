@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from usd_tools import inspect, learn, upsample
+from usd_tools import compare, inspect, learn, upsample
 
 
 @pytest.fixture
@@ -12,7 +12,7 @@ def run(capsys):
     """Call a verb in process; give its exit code, stdout and stderr."""
 
     def call(verb, *arguments):
-        main = {"upsample": upsample.main, "inspect": inspect.main, "learn": learn.main}[verb]
+        main = {"upsample": upsample, "inspect": inspect, "learn": learn, "compare": compare}[verb].main
         capsys.readouterr()
         try:
             code = main([str(argument) for argument in arguments])

@@ -100,7 +100,7 @@ async function drawStage() {
   });
   const axis = (a) => ({ visible: false, range: [floor.low[a], floor.high[a]], autorange: false });
   const sides = floor.high.map((v, a) => v - floor.low[a]), most = Math.max(...sides);
-  const [x, y, z] = sides.map((side) => (1.7 * side) / most);
+  const [x, y, z] = sides.map((side) => (1.4 * side) / most);
   const camera = stage.layout ? stage.layout.scene.camera : { eye: { x: 1.25, y: -1.25, z: 0.45 }, center: { x: 0, y: 0, z: -0.05 } };
   await Plotly.react(stage, traces, {
     margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false, paper_bgcolor: "#fafafc",
@@ -165,7 +165,7 @@ async function show(f) {
       const xyz = [grid(drawn), ...which.map((i) => bones(tracks[i], drawn))];
       const update = { x: xyz.map((v) => v[0]), y: xyz.map((v) => v[1]), z: xyz.map((v) => v[2]) };
       await Plotly.restyle(stage, update, [0, ...which.map((i) => i + 1)]);
-      await Plotly.relayout(chart, { "shapes[0]": cursor() });
+      await Plotly.relayout(chart, { shapes: [cursor()] });
     } while (drawn !== frame);
   } finally {
     drawing = false;
