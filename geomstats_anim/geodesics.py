@@ -84,6 +84,47 @@ class LogResult(NamedTuple):
     iterations: np.ndarray
 
 
+class EndVelocities:
+    r"""Velocities and accelerations of geodesics from the identity at both ends, and their derivative by the metric.
+
+    With the inverse moments :math:`D^{-1}`, the spatial momentum m and the body momentum M, which is m at the start and
+    :math:`g(1)^T m` at the end, :math:`w = D^{-1} M` and by Euler's equation :math:`w' = D^{-1} (M \times w)`.
+
+    Attributes
+    ----------
+    start, end : array-like, shape=[n, B, 3]
+        Along the principal axes, radians per unit of the parameter.
+    start_acceleration, end_acceleration : array-like, shape=[n, B, 3]
+    """
+
+    def __init__(self, inverse_moments: Array, momentum: Array, turn: Array) -> None:
+        self._inverse, self._momentum, self._turn = inverse_moments, momentum, turn
+        self._end_momentum = quat.rotate(quat.conjugate(turn), momentum)
+        self.start, self.end = inverse_moments * momentum, inverse_moments * self._end_momentum
+        self.start_acceleration = inverse_moments * np.cross(momentum, self.start)
+        self.end_acceleration = inverse_moments * np.cross(self._end_momentum, self.end)
+
+    def pull_back(self, start: Array, end: Array, start_acceleration: Array, end_acceleration: Array) -> Array:
+        """Pull a derivative by the attributes back: see `partial` of `PoseGeodesics.pull_back_turns`."""
+        by_momentum, by_moments = self._by_body_momentum(self._momentum, self.start, start, start_acceleration)
+        by_end, by_moments_at_end = self._by_body_momentum(self._end_momentum, self.end, end, end_acceleration)
+        by_end_in_space = quat.rotate(self._turn, by_end)
+        # a turn of the axes turns the target, so that the end momentum changes at fixed m
+        by_axes = np.cross(self._end_momentum, by_end) - np.cross(self._momentum, by_end_in_space)
+        by_moments = by_moments + by_moments_at_end
+        return np.concatenate([by_momentum + by_end_in_space, by_moments[..., 1:], by_axes], axis=-1)
+
+    def _by_body_momentum(
+        self, momentum: Array, velocity: Array, by_velocity: Array, by_acceleration: Array
+    ) -> tuple[Array, Array]:
+        """Derive by the body momentum, and by the logarithms of the moments at fixed momentum."""
+        scaled = self._inverse * by_acceleration
+        # (M x w) . n = M . (w x n) = w . (n x M)
+        by_velocity = by_velocity + np.cross(scaled, momentum)
+        by_momentum = np.cross(velocity, scaled) + self._inverse * by_velocity
+        return by_momentum, -(velocity * by_velocity + np.cross(momentum, velocity) * scaled)
+
+
 class PoseGeodesics:
     """A batch of geodesics of one metric on SO(3)^B, all made by one compiled call.
 
@@ -107,6 +148,7 @@ class PoseGeodesics:
         _refuse_beyond_reach(velocity, np.ones(1))
         self.initial, self.velocity, self.parameters = initial, velocity, parameters
         shape = initial.shape[:-1]
+        self._turn: Array | None = None
         self.status = np.full(shape, LogStatus.CONVERGED)
         self.residual, self.iterations = np.zeros(shape), np.zeros(shape, dtype=np.intp)
         self._inverse_moments = np.broadcast_to(1.0 / parameters.moments, velocity.shape)
@@ -163,6 +205,7 @@ class PoseGeodesics:
         velocity = quat.rotate(quat.conjugate(axes), momentum * inverse_moments)
         geodesics = cls(initial, np.where(is_right, -velocity, velocity), parameters)
         geodesics._momentum, geodesics._inverse_moments = momentum, inverse_moments
+        geodesics._turn = quat.exp(vector)
         geodesics.status = found.status.reshape(shape)
         geodesics.residual, geodesics.iterations = found.residual.reshape(shape), found.shots.reshape(shape)
         geodesics.length = np.where(converged[..., 0], np.sqrt(found.energy.reshape(shape)), np.inf)
@@ -183,8 +226,19 @@ class PoseGeodesics:
         rotations : array-like, shape=[F, B, 4]
             Unit quaternions.
         """
+        return self.poses(index, self.turns(index, parameter))
+
+    def turns(self, index: np.ndarray, parameter: Array) -> Array:
+        """Evaluate the geodesics from the identity that stand for these, shape=[F, B, 4].
+
+        They are those of the left-invariant metric with the diagonal matrix, seen along its principal axes.
+        """
         turned = np.empty((len(parameter), self.initial.shape[1], 4))
         self._for_samples(playback, index, parameter, turned)
+        return turned
+
+    def poses(self, index: np.ndarray, turned: Array) -> Array:
+        """Turn the geodesics' initial poses by what `turns` returns."""
         axes, is_right = self.parameters.axes_quaternions, self.parameters.is_right
         if self.parameters.axes is not None:
             turned = quat.multiply(quat.multiply(quat.conjugate(axes), turned), axes)
@@ -211,14 +265,42 @@ class PoseGeodesics:
         gradient : array-like, shape=[B, 5]
             By log alpha, log beta, and a rotation vector that turns the axes from the left, P -> exp(v) P.
         """
-        is_right = self.parameters.is_right[:, None]
+        return self.pull_back_turns(index, parameter, self.pull_back_poses(rotations, cotangent))
+
+    def pull_back_poses(self, rotations: Array, cotangent: Array) -> Array:
+        """Pull a derivative by what `poses` returned, at fixed axes, back to one by what it was given."""
         # the body variation x of a right-invariant geodesic g = e^-1 A comes from -g x of e
+        is_right = self.parameters.is_right[:, None]
         inward = np.where(is_right, -quat.rotate(rotations, cotangent), cotangent)
-        turned = quat.rotate(self.parameters.axes_quaternions, inward)
+        return quat.rotate(self.parameters.axes_quaternions, inward)
+
+    def pull_back_turns(
+        self, index: np.ndarray, parameter: Array, cotangent: Array, partial: Array | None = None
+    ) -> Array:
+        """Pull a derivative by what `turns` returned back to one by the metric, shape=[B, 5], as in `pull_back`.
+
+        Parameters
+        ----------
+        index, parameter : array-like, shape=[F]
+        cotangent : array-like, shape=[F, B, 3]
+            Derivative by the body variation of the turns, along the principal axes.
+        partial : array-like, shape=[n, B, 8]
+            Derivatives of other parts of the scalar by the initial momentum, by log alpha and log beta at fixed
+            momentum, and by a turn of the axes at fixed momentum.
+            Optional, default: None, there are no other parts.
+        """
+        sums = np.zeros((*self.initial.shape[:2], 8)) if partial is None else partial
         gradient = np.zeros((*self.initial.shape[:2], 5))
-        self._for_samples(pull_back, index, parameter, turned, gradient.reshape(-1, 5))
+        self._for_samples(pull_back, index, parameter, cotangent, sums.reshape(-1, 8), gradient.reshape(-1, 5))
         # a fallback is the bi-invariant geodesic, which does not depend on the metric
         return np.where((self.status == LogStatus.CONVERGED)[..., None], gradient, 0.0).sum(axis=0)
+
+    @property
+    def end_velocities(self) -> EndVelocities:
+        """Velocities of what `turns` returns, at parameters 0 and 1."""
+        n = len(self.initial)
+        turn = self.turns(np.arange(n), np.ones(n)) if self._turn is None else self._turn
+        return EndVelocities(self._inverse_moments, self._momentum, turn)
 
     def _for_samples(
         self,
@@ -226,7 +308,7 @@ class PoseGeodesics:
         index: np.ndarray,
         parameter: Array,
         samples: Array,
-        geodesics: Array | None = None,
+        *geodesics: Array,
     ) -> None:
         """Run a compiled kernel over all geodesics, with the samples that lie on each, in threads."""
         _refuse_beyond_reach(self.velocity, parameter)
@@ -242,8 +324,8 @@ class PoseGeodesics:
         inverse, momentum = inverse.reshape(-1, 3), momentum.reshape(-1, 3)
 
         def run(part: slice) -> None:
-            written = () if geodesics is None else (geodesics[part],)
-            kernel(inverse[part], momentum[part], first[part], last[part], parameter, column[part], samples, *written)
+            own = (values[part] for values in geodesics)
+            kernel(inverse[part], momentum[part], first[part], last[part], parameter, column[part], samples, *own)
 
         in_threads(run, n * n_joints)
 

@@ -77,8 +77,8 @@ def breadth_first(skeleton: Skeleton) -> np.ndarray:
     return np.argsort(skeleton.depths, kind="stable")
 
 
-def torques(skeleton: Skeleton, pose: WorldPose, forces: Array) -> Array:
-    """Pull a derivative by bone ends back to one by rotations.
+def pull_back_ends(skeleton: Skeleton, pose: WorldPose, forces: Array) -> tuple[Array, Array]:
+    """Pull a derivative by bone ends back to one by rotations and translations.
 
     Parameters
     ----------
@@ -91,10 +91,12 @@ def torques(skeleton: Skeleton, pose: WorldPose, forces: Array) -> Array:
     -------
     torques : array-like, shape=[F, B, 3]
         Derivative by the body variation of every joint's local rotation, which moves all bones below it.
+    pulls : array-like, shape=[F, B, 3]
+        Derivative by its local translation.
     """
-    out = np.empty_like(pose.ends)
-    _torques(breadth_first(skeleton), np.array(skeleton.parents), *pose, forces, out)
-    return out
+    torques, pulls = np.empty_like(pose.ends), np.empty_like(pose.ends)
+    _pull_back_ends(breadth_first(skeleton), np.array(skeleton.parents), *pose, forces, torques, pulls)
+    return torques, pulls
 
 
 @compiled
@@ -123,7 +125,7 @@ def _place(order, parents, bone_ends, rotations, translations, world, origins, e
 
 
 @compiled
-def _torques(order, parents, world, origins, ends, forces, out):
+def _pull_back_ends(order, parents, world, origins, ends, forces, torques, pulls):
     n_joints = len(order)
     force, moment = np.empty((n_joints, 3)), np.empty((n_joints, 3))
     for f in range(world.shape[0]):
@@ -141,5 +143,9 @@ def _torques(order, parents, world, origins, ends, forces, out):
             lever = cross(origins[f, b], force[b])
             q = (world[f, b, 0], world[f, b, 1], world[f, b, 2], world[f, b, 3])
             t = rotate_back(q, (moment[b, 0] - lever[0], moment[b, 1] - lever[1], moment[b, 2] - lever[2]))
+            pull = (force[b, 0], force[b, 1], force[b, 2])
+            if p >= 0:
+                pull = rotate_back((world[f, p, 0], world[f, p, 1], world[f, p, 2], world[f, p, 3]), pull)
             for i in range(3):
-                out[f, b, i] = t[i]
+                torques[f, b, i] = t[i]
+                pulls[f, b, i] = pull[i]

@@ -18,6 +18,9 @@ INVARIANCES = ("left", "right")
 MAX_CONDITION = 1e4
 """Largest ratio of principal moments: beyond, a body tumbles so fast that its geodesics take seconds each."""
 
+MAX_TENSION = 2.0
+"""Tension of a curve with continuous acceleration; see `tangents`."""
+
 FORMAT_VERSION = 1
 """Version of the stored form of a metric, in JSON and in USD."""
 
@@ -178,6 +181,56 @@ class MetricParameters:
 
 
 @dataclass(frozen=True, eq=False)
+class CurveParameters:
+    """What a curve through keys depends on: a metric, and how far it is bent towards a smooth one.
+
+    Parameters
+    ----------
+    metric : MetricParameters
+    tension, translation_tension : array-like, shape=[B]
+        Of the rotation and of the translation of each joint: 0 no bending, 1 continuous velocity, `MAX_TENSION`
+        continuous acceleration.
+
+    Raises
+    ------
+    ValueError
+        If there is not one tension for each joint, or it is not in [0, `MAX_TENSION`].
+    """
+
+    metric: MetricParameters
+    tension: Array
+    translation_tension: Array
+
+    def __post_init__(self) -> None:
+        """Check and freeze the arrays."""
+        for name in ("tension", "translation_tension"):
+            values = np.array(getattr(self, name), dtype=np.float64)
+            if values.shape != (self.metric.n_joints,):
+                raise ValueError(f"{name} has shape {values.shape}, but there are {self.metric.n_joints} joints.")
+            bad = np.flatnonzero(~((values >= 0.0) & (values <= MAX_TENSION)))
+            if len(bad):
+                raise ValueError(f"{name} of joint {bad[0]} is {values[bad[0]]}; it must be from 0 to {MAX_TENSION:g}.")
+            values.setflags(write=False)
+            object.__setattr__(self, name, values)
+
+    @classmethod
+    def geodesic(cls, metric: MetricParameters) -> CurveParameters:
+        """Bend nothing."""
+        return cls(metric, np.zeros(metric.n_joints), np.zeros(metric.n_joints))
+
+    @classmethod
+    def spline(cls, metric: MetricParameters) -> CurveParameters:
+        """Let velocities be continuous."""
+        return cls(metric, np.ones(metric.n_joints), np.ones(metric.n_joints))
+
+    @classmethod
+    def plain(cls, scheme: str, n_joints: int) -> CurveParameters:
+        """Curve of a scheme with the bi-invariant metric: slerp, or the spline that is its like."""
+        make = cls.spline if scheme == "geodesic-spline" else cls.geodesic
+        return make(MetricParameters.identity(n_joints))
+
+
+@dataclass(frozen=True, eq=False)
 class LearnedMetric:
     """Metric parameters that know their joints' names, and where they come from.
 
@@ -187,8 +240,8 @@ class LearnedMetric:
         Full path tokens, unique.
     parameters : MetricParameters
     tension : array-like, shape=[B]
-        How far each joint's curve is bent towards continuous velocity at the keys: 0 the geodesic, 1 fully.
-        Optional, default: 0 everywhere.
+        How far each joint's curve is bent: 0 the geodesic, 1 continuous velocity, 2 continuous acceleration.
+        Optional, default: 1 everywhere for the scheme "geodesic-spline", else 0.
     scheme : str
         Interpolation scheme that the parameters were made for.
         Optional, default: "geodesic".
@@ -198,6 +251,9 @@ class LearnedMetric:
     provenance : mapping
         Plain strings, numbers and lists: source, sha256, rate, search, seed, trials, version, scores.
         Optional, default: empty.
+    translation_tension : array-like, shape=[B]
+        The same for the joint's translation, which goes along a straight line or a cubic.
+        Optional, default: as for `tension`.
 
     Raises
     ------
@@ -211,6 +267,7 @@ class LearnedMetric:
     scheme: str = "geodesic"
     quality: str = ""
     provenance: Mapping[str, Any] = field(default_factory=dict)
+    translation_tension: Array = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         """Check and freeze the arrays."""
@@ -220,17 +277,27 @@ class LearnedMetric:
             raise ValueError(f"Joint names must be unique, but {twice!r} is there twice.")
         if self.parameters.n_joints != len(joints):
             raise ValueError(f"There are {len(joints)} joints, but metric parameters for {self.parameters.n_joints}.")
-        tension = np.zeros(len(joints)) if self.tension is None else np.array(self.tension, dtype=np.float64)
-        if tension.shape != (len(joints),) or not np.isfinite(tension).all():
-            raise ValueError(f"tension has shape {tension.shape}; one finite number for each of {len(joints)} joints.")
-        tension.setflags(write=False)
+        usual = CurveParameters.plain(self.scheme, len(joints)).tension
+        tensions = (usual if values is None else values for values in (self.tension, self.translation_tension))
+        curve = CurveParameters(self.parameters, *tensions)
         object.__setattr__(self, "joints", joints)
-        object.__setattr__(self, "tension", tension)
+        object.__setattr__(self, "tension", curve.tension)
+        object.__setattr__(self, "translation_tension", curve.translation_tension)
         try:
             json.dumps(dict(self.provenance), allow_nan=False)
         except (TypeError, ValueError) as error:
             raise ValueError(f"provenance holds what JSON cannot: {error}.") from error
         object.__setattr__(self, "provenance", dict(self.provenance))
+
+    @property
+    def curve(self) -> CurveParameters:
+        """Its parameters without the names."""
+        return CurveParameters(self.parameters, self.tension, self.translation_tension)
+
+    def for_scheme(self, scheme: str) -> LearnedMetric:
+        """Take the metric for another scheme; its tension is the usual one, as what was learned says nothing of it."""
+        usual = CurveParameters.plain(scheme, len(self.joints)).tension
+        return self if scheme == self.scheme else replace(self, scheme=scheme, tension=usual, translation_tension=usual)
 
     def for_joints(self, joints: Sequence[str]) -> tuple[LearnedMetric, tuple[str, ...]]:
         """Match the metric to other joints, by name.
@@ -242,7 +309,8 @@ class LearnedMetric:
         Returns
         -------
         metric : LearnedMetric
-            In the order of `joints`, with the identity metric and tension 0 for joints that are not known.
+            In the order of `joints`; those that are not known have the identity metric, and the usual tension of the
+            scheme.
         missing : tuple of str
             The joints that are not known.
         """
@@ -256,14 +324,23 @@ class LearnedMetric:
             picked[known] = values[index]
             return picked
 
-        source = self.parameters
+        source, usual = self.parameters, CurveParameters.plain(self.scheme, 1)
         parameters = MetricParameters(
             pick(source.alpha, 1.0),
             pick(source.beta, 1.0),
             None if source.axes is None else pick(source.axes, 0.0),
             tuple(source.invariance[place[joint]] if joint in place else "left" for joint in joints),
         )
-        return replace(self, joints=tuple(joints), parameters=parameters, tension=pick(self.tension, 0.0)), missing
+        tension = pick(self.tension, usual.tension[0])
+        translation_tension = pick(self.translation_tension, usual.translation_tension[0])
+        matched = replace(
+            self,
+            joints=tuple(joints),
+            parameters=parameters,
+            tension=tension,
+            translation_tension=translation_tension,
+        )
+        return matched, missing
 
     def to_json(self) -> str:
         """Write as JSON, the same text for the same metric."""
@@ -276,6 +353,7 @@ class LearnedMetric:
             "axes": None if self.parameters.axes is None else self.parameters.axes.tolist(),
             "invariance": list(self.parameters.invariance),
             "tension": self.tension.tolist(),
+            "translationTension": self.translation_tension.tolist(),
             "scheme": self.scheme,
             "quality": self.quality,
             "provenance": dict(self.provenance),
@@ -315,7 +393,7 @@ class LearnedMetric:
             )
             names = ("joints", "tension", "scheme", "quality", "provenance")
             rest = {name: document[name] for name in names}
-            return cls(parameters=parameters, **rest)
+            return cls(parameters=parameters, translation_tension=document.get("translationTension"), **rest)  # type: ignore[arg-type]
         except KeyError as error:
             raise ValueError(f"This metric has no {error}.") from error
         except TypeError as error:

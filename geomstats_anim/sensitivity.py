@@ -134,7 +134,7 @@ def _finish(sums, variations, rotation, lane, out):
 
 
 @compiled
-def pull_back(inverse, momentum, first, last, parameter, column, cotangent, out):
+def pull_back(inverse, momentum, first, last, parameter, column, cotangent, partial, out):
     """Pull the derivative of a scalar by sampled rotations back to one by the metric.
 
     Parameters
@@ -147,6 +147,9 @@ def pull_back(inverse, momentum, first, last, parameter, column, cotangent, out)
     column : array-like of int, shape=[n]
     cotangent : array-like, shape=[F, C, 3]
         Derivative of the scalar by the body variation of the sample at [first[i]:last[i], column[i]].
+    partial : array-like, shape=[n, 8]
+        Derivatives of what else depends on the geodesics: by the initial momentum (3), by log alpha and log beta at
+        fixed momentum (2), by a turn of the axes at fixed momentum (3).
     out : array-like, shape=[n, 5]
         Written: derivatives by log alpha, log beta, and a rotation vector that turns the axes from the left.
     """
@@ -170,7 +173,8 @@ def pull_back(inverse, momentum, first, last, parameter, column, cotangent, out)
                 problem[lane] = -1
                 n_active -= 1
             time[0, lane] = 0.0
-            sums[:, lane] = 0.0
+            for row in range(_SUM_ROWS):
+                sums[row, lane] = partial[upcoming, row] if upcoming < n else 0.0
             for i in range(4):
                 rotation[i, lane] = 1.0 if i == 3 else 0.0
             for row in range(_STATE_ROWS):

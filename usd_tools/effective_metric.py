@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from geomstats_anim import SCHEMES, LearnedMetric
 from usd_tools.errors import Messages, ToolError
 from usd_tools.metric_attributes import read_metric
 from usd_tools.skel_reader import SkelClip
-from usd_tools.style_controls import Style, identity_metric, styled, unmatched
-
-DEFAULT_SCHEME = "geodesic"
+from usd_tools.style_controls import DEFAULT_SCHEME, Style, identity_metric, styled, unmatched
 
 _WORDS = ("stored", "identity", "learn")
 
@@ -110,7 +108,7 @@ def _effective(
             f"choose --scheme {', '.join(SCHEMES)}."
         )
     try:
-        metric = styled(replace(metric, scheme=scheme or metric.scheme), styles)
+        metric = styled(metric.for_scheme(scheme or metric.scheme), styles)
     except ValueError as error:
         raise ToolError(f"{clip.path} cannot be styled so: {error}") from error
     return EffectiveMetric(metric, origin, missing)

@@ -25,10 +25,11 @@ def tell(lesson: Lesson, verbose: bool, messages: Messages) -> None:
     print(f"{where}: {n_keys} of {n_frames} samples kept as keys{cut}, {len(metric.joints)} joints")
     print(f"  {summary(metric)}")
     weighted = " without weights" if "weights" in metric.provenance else ""
+    is_spline = metric.scheme == "geodesic-spline"
     show(
         f"Q_{metric.quality}{weighted}, lower is better",
-        [_row(score) for score in lesson.scores],
-        ("", "frames", "learned", "slerp", "gain", "verdict"),
+        [_row(score, is_spline) for score in lesson.scores],
+        ("", "frames", "learned", "slerp", *(("plain spline",) if is_spline else ()), "gain", "verdict"),
     )
     print(conclusion(lesson))
     if lesson.slerped:
@@ -40,13 +41,14 @@ def tell(lesson: Lesson, verbose: bool, messages: Messages) -> None:
         print(EXPLANATION)
 
 
-def _row(score: Score) -> tuple[str, ...]:
+def _row(score: Score, is_spline: bool) -> tuple[str, ...]:
     sample = "in-sample" if score.in_sample else "out-of-sample"
     return (
         score.what,
         sample,
         f"{score.learned:.5g}",
         f"{score.slerp:.5g}",
+        *((f"{score.plain:.5g}",) if is_spline else ()),
         f"{100.0 * score.gain:+z.1f} %",
         score.verdict,
     )
@@ -55,26 +57,29 @@ def _row(score: Score) -> tuple[str, ...]:
 def conclusion(lesson: Lesson) -> str:
     """Say in a sentence or two what the metric is good for."""
     one = "this clip" if len(lesson.takes) == 1 else "these clips"
+    plain = "the plain spline" if lesson.metric.scheme == "geodesic-spline" else "slerp"
+    kept = "it is kept" if plain != "slerp" else "slerp's own metric (the identity) is kept"
     unseen = lesson.cross_validated
     if unseen is not None:
-        if lesson.is_slerp:
+        if lesson.is_plain:
             return (
-                "A tie with slerp: cross-validation found no metric that is sure to predict unseen frames better, so "
-                "slerp's own metric (the identity) is kept."
+                f"A tie with {plain}: cross-validation found nothing that is sure to predict unseen frames better, so "
+                f"{kept}."
             )
-        better = f"{100.0 * unseen.gain:.1f} % better than slerp"
-        tie = ", which is a tie" if unseen.verdict == "ties with slerp" else ""
-        loses = " It loses to slerp in the rows that say so: do not rely on it there." if lesson.loses else ""
+        better = f"{100.0 * unseen.gain:.1f} % better than {unseen.rival}"
+        tie = ", which is a tie" if unseen.ties else ""
+        loses = " It loses in the rows that say so: do not rely on it there." if lesson.loses else ""
         return f"Cross-validated: predicts blocks of frames left out {better}{tie}.{loses}"
-    if lesson.is_slerp:
-        return f"A tie with slerp: no metric rebuilds {one} better, so slerp's own metric (the identity) is kept."
+    if lesson.is_plain:
+        return f"A tie with {plain}: no metric rebuilds {one} better, so {kept}."
     if lesson.loses:
+        rivals = " and ".join(sorted({score.rival for score in lesson.scores if not score.in_sample and score.loses}))
         return (
-            f"This metric belongs to {one}: it was fitted to rebuild these frames, and loses to slerp on frames that "
-            "it has not seen. For in-betweening unseen frames use --purpose predict."
+            f"This metric belongs to {one}: it was fitted to rebuild these frames, and loses to {rivals} on frames "
+            "that it has not seen. For in-betweening unseen frames use --purpose predict."
         )
-    if lesson.scores[0].verdict == "ties with slerp":
-        return f"A tie with slerp: no metric rebuilds {one} noticeably better."
+    if lesson.scores[0].ties:
+        return f"A tie with {lesson.scores[0].rival}: no metric rebuilds {one} noticeably better."
     return f"This metric was fitted to rebuild {one}; for in-betweening unseen frames use --purpose predict."
 
 
@@ -85,8 +90,10 @@ def described(lesson: Lesson) -> dict[str, Any]:
     -------
     described : dict
         summary; scheme; quality: loc, rot or hyb; animations: file, sha256, prim, frames, stretches (value blocks and
-        steps cut); scores: what, in_sample, score, slerp_score, gain (share of slerp's), verdict; conclusion;
-        joints: joint, alpha, beta, axes (rotation vector or null), invariance, tension, and in degrees, null for a
+        steps cut); scores: what, in_sample, score, slerp_score, plain_score (the scheme's without learning), gain
+        (share of the better of these two), verdict; conclusion;
+        joints: joint, alpha, beta, axes (rotation vector or null), invariance, tension,
+        translation_tension, and in degrees, null for a
         joint that does not turn, error, slerp_error, gain (in-sample); slerped_segments; provenance: what is stored
         with the metric.
     """
@@ -103,6 +110,7 @@ def described(lesson: Lesson) -> dict[str, Any]:
                 "axes": None if parameters.axes is None else parameters.axes[i].tolist(),
                 "invariance": parameters.invariance[i],
                 "tension": float(metric.tension[i]),
+                "translation_tension": float(metric.translation_tension[i]),
                 "error": None if error is None else error.learned,
                 "slerp_error": None if error is None else error.slerp,
                 "gain": None if error is None else round(error.gain, 4),
@@ -128,6 +136,7 @@ def described(lesson: Lesson) -> dict[str, Any]:
                 "in_sample": score.in_sample,
                 "score": score.learned,
                 "slerp_score": score.slerp,
+                "plain_score": score.plain,
                 "gain": score.gain,
                 "verdict": score.verdict,
             }

@@ -9,12 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from geomstats_anim import SCHEMES, Animation, LearnedMetric, MetricParameters, learn_metric, uniform_keyframes
+from geomstats_anim import SCHEMES, Animation, LearnedMetric, learn_metric, uniform_keyframes
 from geomstats_anim.learning.assessment import Score, assess
 from geomstats_anim.learning.tpe import TuneSettings
+from geomstats_anim.parameters import CurveParameters
 from geomstats_anim.quality import rotation_errors
 from usd_tools.errors import ToolError
 from usd_tools.metric_meaning import BY_JOINT
+from usd_tools.style_controls import identity_metric
 from usd_tools.takes import Take
 
 PAPERS_RATE = 0.3
@@ -115,23 +117,25 @@ class Lesson:
     slerped: int
 
     @property
-    def is_slerp(self) -> bool:
-        """Whether the metric is the bi-invariant one, whose geodesics are slerp."""
-        parameters = self.metric.parameters
-        return bool((parameters.moments == 1.0).all() and not self.metric.tension.any())
+    def is_plain(self) -> bool:
+        """Whether nothing came of it: the bi-invariant metric, whose geodesics are slerp, with the usual tension."""
+        metric = self.metric
+        usual = CurveParameters.plain(metric.scheme, len(metric.joints))
+        same_tensions = (metric.tension == usual.tension) & (metric.translation_tension == usual.translation_tension)
+        return bool((metric.parameters.moments == 1.0).all() and same_tensions.all())
 
     @property
     def cross_validated(self) -> Score | None:
         """Score of metrics learned and shrunk likewise on blocks that were left out; None if it is fitted freely."""
-        names = ("cross_validated_score", "cross_validated_slerp_score")
+        names = ("cross_validated_score", "cross_validated_slerp_score", "cross_validated_plain_score")
         if not all(name in self.metric.provenance for name in names):
             return None
         return Score("blocks left out", False, *(self.metric.provenance[name] for name in names))
 
     @property
     def loses(self) -> bool:
-        """Whether it loses to slerp anywhere out of sample."""
-        return any(score.verdict == "loses to slerp" for score in self.scores if not score.in_sample)
+        """Whether it loses anywhere out of sample to what needs no learning."""
+        return any(score.loses for score in self.scores if not score.in_sample)
 
 
 def teach(takes: Sequence[Take], recipe: Recipe, watch: Watch = lambda evaluations, value: None) -> Lesson:
@@ -190,21 +194,18 @@ def _assessed(stretches: Sequence[Animation], recipe: Recipe, metric: LearnedMet
         try:
             return quick.fit([stretch.at_frames(slice(0, stretch.n_frames // 2 + 1)) for stretch in stretches])
         except ValueError:  # nothing to learn in there
-            return replace(metric, parameters=MetricParameters.identity(len(metric.joints)))
+            return identity_metric(metric.joints, metric.scheme)
 
     found: dict[tuple[str, bool], list[tuple[int, Score]]] = {}
     for stretch in stretches:
         for score in assess(stretch, recipe.rate, metric, lambda *_: of_first_halves()):
             found.setdefault((score.what, score.in_sample), []).append((stretch.n_frames, score))
-    return tuple(
-        Score(
-            what,
-            in_sample,
-            float(np.average([score.learned for _, score in scores], weights=[frames for frames, _ in scores])),
-            float(np.average([score.slerp for _, score in scores], weights=[frames for frames, _ in scores])),
-        )
-        for (what, in_sample), scores in found.items()
-    )
+    means = []
+    for (what, in_sample), scores in found.items():
+        values = [(score.learned, score.slerp, score.plain) for _, score in scores]
+        mean = np.average(values, axis=0, weights=[frames for frames, _ in scores])
+        means.append(Score(what, in_sample, *mean.tolist()))
+    return tuple(means)
 
 
 def _by_joint(
@@ -255,6 +256,7 @@ def _provenance(
             "what": [score.what for score in unseen],
             "scores": [score.learned for score in unseen],
             "slerp_scores": [score.slerp for score in unseen],
+            "plain_scores": [score.plain for score in unseen],
         },
         BY_JOINT: by_joint,
     }

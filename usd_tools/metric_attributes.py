@@ -21,11 +21,13 @@ _TYPES = {
     "alpha": Sdf.ValueTypeNames.DoubleArray,
     "beta": Sdf.ValueTypeNames.DoubleArray,
     "tension": Sdf.ValueTypeNames.DoubleArray,
+    "translationTension": Sdf.ValueTypeNames.DoubleArray,
     "axes": Sdf.ValueTypeNames.Double3Array,
     "invariance": Sdf.ValueTypeNames.TokenArray,
     "scheme": Sdf.ValueTypeNames.Token,
     "version": Sdf.ValueTypeNames.Int,
 }
+_OPTIONAL = ("axes", "translationTension")
 _ENTRIES = "entries"
 """Entry that names those that count: USD merges the dictionaries of layers, so an older metric's would show through."""
 
@@ -53,6 +55,7 @@ def write_metric(spec: Sdf.PrimSpec, metric: LearnedMetric, hide_axes: bool = Fa
         "alpha": Vt.DoubleArray.FromNumpy(parameters.alpha),
         "beta": Vt.DoubleArray.FromNumpy(parameters.beta),
         "tension": Vt.DoubleArray.FromNumpy(metric.tension),
+        "translationTension": Vt.DoubleArray.FromNumpy(metric.translation_tension),
         "invariance": Vt.TokenArray(parameters.invariance),
         "scheme": metric.scheme,
         "version": FORMAT_VERSION,
@@ -118,7 +121,7 @@ def read_metric(prim: Usd.Prim) -> LearnedMetric | None:
             f"{prim.GetPath()}: {NAMESPACE}:version is {version}, but this program reads {FORMAT_VERSION}; update it."
         )
     for name, value in values.items():
-        if value is None and name != "axes":
+        if value is None and name not in _OPTIONAL:
             raise ToolError(f"{prim.GetPath()}: {NAMESPACE}:{name} is missing; write the whole metric, or remove it.")
         if value is not None and attributes[name].GetTypeName() != _TYPES[name]:
             raise ToolError(
@@ -126,7 +129,7 @@ def read_metric(prim: Usd.Prim) -> LearnedMetric | None:
                 f"{_TYPES[name]}."
             )
     n_joints = len(values["joints"])
-    for name in ("alpha", "beta", "tension", "axes", "invariance"):
+    for name in ("alpha", "beta", "tension", "translationTension", "axes", "invariance"):
         if values[name] is not None and len(values[name]) != n_joints:
             raise ToolError(
                 f"{prim.GetPath()}: {NAMESPACE}:{name} has {len(values[name])} values for {n_joints} joints."
@@ -142,7 +145,13 @@ def read_metric(prim: Usd.Prim) -> LearnedMetric | None:
             tuple(values["invariance"]),
         )
         return LearnedMetric(
-            tuple(values["joints"]), parameters, np.array(values["tension"]), str(values["scheme"]), quality, entries
+            tuple(values["joints"]),
+            parameters,
+            np.array(values["tension"]),
+            str(values["scheme"]),
+            quality,
+            entries,
+            values["translationTension"] and np.array(values["translationTension"]),
         )
     except ValueError as error:
         raise ToolError(f"{prim.GetPath()}: {NAMESPACE} makes no metric: {error}") from error

@@ -197,12 +197,10 @@ def worth(provenance: Mapping[str, Any]) -> list[str]:
     """
     try:
         unseen = provenance["out_of_sample"]
-        rows = [("in-sample", provenance["score"], provenance["slerp_score"])]
-        rows += [
-            (f"out-of-sample, {row[0]}", row[1], row[2])
-            for row in zip(unseen["what"], unseen["scores"], unseen["slerp_scores"], strict=True)
-        ]
-        scores = [Score(what, False, float(learned), float(slerp)) for what, learned, slerp in rows]
+        columns = (unseen[name] for name in ("scores", "slerp_scores", "plain_scores"))
+        rows = [("in-sample", provenance["score"], provenance["slerp_score"], provenance["plain_score"])]
+        rows += [(f"out-of-sample, {what}", *values) for what, *values in zip(unseen["what"], *columns, strict=True)]
+        scores = [Score(what, False, *map(float, values)) for what, *values in rows]
     except (KeyError, TypeError, ValueError):
         return []
     return [f"{one.what[0].upper()}{one.what[1:]}: {100.0 * one.gain:+z.1f} %, {one.verdict}." for one in scores]

@@ -9,7 +9,7 @@ from functools import reduce
 import numpy as np
 
 from geomstats_anim import SCHEMES, Animation, LearnedMetric
-from geomstats_anim.interpolation import Curve, Fallback
+from geomstats_anim.curves import Curve, Fallback
 from usd_tools.channels import Channel
 from usd_tools.skel_reader import JOINT_CHANNELS, SkelClip
 

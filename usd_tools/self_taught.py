@@ -3,7 +3,7 @@
 Every other sample is kept as a key, and the metric is sought that predicts the samples between: that is the same task
 as putting a new sample into every gap, at twice the spacing, and the only spacing near to it at which the truth is
 known. What is wanted are frames that nobody has seen, so the purpose is to predict: blocked cross-validation shrinks
-the metric towards slerp's, and keeps slerp's own unless it is sure of a gain. The search is the gradient's.
+the metric towards the bi-invariant one, and keeps that unless it is sure of a gain. The search is the gradient's.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from usd_tools.errors import Messages, ToolError
 from usd_tools.lesson import Recipe, teach
 from usd_tools.progress import SearchProgress
 from usd_tools.skel_reader import SkelClip
-from usd_tools.style_controls import identity_metric
+from usd_tools.style_controls import DEFAULT_SCHEME, identity_metric
 from usd_tools.takes import take_of
 
 RATE = 0.5
@@ -33,7 +33,7 @@ def taught_by_itself(path: Path, clip: SkelClip, scheme: str | None, messages: M
     scheme : str or None
         Scheme to learn for; None for the usual one.
     messages : Messages
-        Told if there is nothing to learn from, so that slerp's metric is used.
+        Told if there is nothing to learn from, so that the identity is used.
 
     Returns
     -------
@@ -48,20 +48,22 @@ def taught_by_itself(path: Path, clip: SkelClip, scheme: str | None, messages: M
         raise ToolError(
             f"--metric learn learns for --scheme {', '.join(SCHEMES)}, not for {scheme}; choose one of them."
         )
-    recipe = Recipe(rate=RATE, purpose="predict", scheme=scheme or SCHEMES[0])
+    recipe = Recipe(rate=RATE, purpose="predict", scheme=scheme or DEFAULT_SCHEME)
     try:
         take = take_of(path, clip)
         with SearchProgress(None) as progress:
             lesson = teach([take], recipe, progress.watch)
     except ToolError as error:
-        messages.warn(f"{str(error).rstrip('.')}; slerp's metric is used.")
+        messages.warn(f"{str(error).rstrip('.')}; the identity is used.")
         return identity_metric(clip.joints, recipe.scheme)
-    if lesson.is_slerp:
-        gained = "no metric is sure to predict the others better than slerp: a tie, and slerp's metric is kept"
+    if lesson.is_plain:
+        plain = "the plain spline" if recipe.scheme == "geodesic-spline" else "slerp"
+        gained = f"nothing is sure to predict the others better than {plain}: a tie, and it is kept"
     else:
         unseen = lesson.cross_validated
         assert unseen is not None
-        tie = ", which is a tie" if unseen.verdict == "ties with slerp" else ""
-        gained = f"the others are predicted {100.0 * unseen.gain:.1f} % better than by slerp (cross-validated){tie}"
+        tie = ", which is a tie" if unseen.ties else ""
+        better = f"{100.0 * unseen.gain:.1f} % better than by {unseen.rival}"
+        gained = f"the others are predicted {better} (cross-validated){tie}"
     print(f"{clip.path}: learned from every other sample; {gained}.")
     return lesson.metric

@@ -7,11 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 
-import numpy as np
-
 from geomstats_anim import LearnedMetric, MetricParameters
 from geomstats_anim.parameters import INVARIANCES
 from usd_tools.arguments import positive_number
+
+DEFAULT_SCHEME = "geodesic-spline"
+"""Used where neither the user nor a metric asks for another: with the identity it predicts best of all."""
 
 
 @dataclass(frozen=True)
@@ -111,4 +112,4 @@ def unmatched(styles: Sequence[Style], joints: Sequence[str]) -> Style | None:
 
 def identity_metric(joints: Sequence[str], scheme: str) -> LearnedMetric:
     """Make the bi-invariant metric of some joints."""
-    return LearnedMetric(tuple(joints), MetricParameters.identity(len(joints)), np.zeros(len(joints)), scheme)
+    return LearnedMetric(tuple(joints), MetricParameters.identity(len(joints)), scheme=scheme)

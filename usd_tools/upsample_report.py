@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from geomstats_anim.interpolation import Fallback
+from geomstats_anim.curves import Fallback
 from usd_tools.effective_metric import EffectiveMetric
 from usd_tools.errors import Messages
 from usd_tools.metric_attributes import summary

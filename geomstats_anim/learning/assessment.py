@@ -1,4 +1,4 @@
-"""What a learned metric is worth: its score where it was learned, and where it was not, each beside slerp's."""
+"""What a learned metric is worth: its score where it was learned, and where it was not, beside what is not learned."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from geomstats_anim import rotations as quat
 from geomstats_anim.animation import Animation
 from geomstats_anim.interpolation import SCHEMES
 from geomstats_anim.keyframes import uniform_keyframes
-from geomstats_anim.learning.learn import STILL
 from geomstats_anim.parameters import LearnedMetric
 from geomstats_anim.quality import quality
+from geomstats_anim.tangents import STILL
 
 _TIE = 0.005
 """Relative difference that is called a tie."""
@@ -32,7 +32,7 @@ Learn = Callable[[Animation, np.ndarray], LearnedMetric]
 
 @dataclass(frozen=True)
 class Score:
-    """One comparison with slerp.
+    """One comparison with slerp, and with the same scheme without learning.
 
     Parameters
     ----------
@@ -40,26 +40,41 @@ class Score:
         What was learned from, and what was scored.
     in_sample : bool
         Whether the scored frames are those it was learned from.
-    learned, slerp : float
-        Quality; lower is better.
+    learned, slerp, plain : float
+        Quality; lower is better. The plain curve is the scheme's with the bi-invariant metric: for "geodesic", slerp.
     """
 
     what: str
     in_sample: bool
     learned: float
     slerp: float
+    plain: float
+
+    @property
+    def rival(self) -> str:
+        """The better of what needs no learning: "slerp" or "the plain spline"."""
+        return "slerp" if self.slerp <= self.plain + _PERFECT else "the plain spline"
 
     @property
     def gain(self) -> float:
-        """Share of slerp's error that is saved; negative where it loses."""
-        return (self.slerp - self.learned) / max(self.slerp, _PERFECT)
+        """Share of the rival's error that is saved; negative where it loses."""
+        least = min(self.slerp, self.plain)
+        return (least - self.learned) / max(least, _PERFECT)
+
+    @property
+    def ties(self) -> bool:
+        """Whether the difference is too small to matter."""
+        return abs(self.gain) <= _TIE
+
+    @property
+    def loses(self) -> bool:
+        """Whether it is worse than its rival."""
+        return self.gain < -_TIE
 
     @property
     def verdict(self) -> str:
-        """One of "beats slerp", "ties with slerp", "loses to slerp"."""
-        if abs(self.gain) <= _TIE:
-            return "ties with slerp"
-        return "beats slerp" if self.gain > 0.0 else "loses to slerp"
+        """Say so, as in "loses to slerp"."""
+        return f"{'ties with' if self.ties else 'loses to' if self.loses else 'beats'} {self.rival}"
 
 
 def score(
@@ -70,14 +85,14 @@ def score(
     metric: LearnedMetric,
     weights: str | ArrayLike | None = None,
 ) -> Score:
-    """Rebuild an animation from keys with a metric, and by slerp, and compare both with it."""
+    """Rebuild an animation from keys with a metric, without one, and by slerp, and compare all with it."""
     keys = animation.at_frames(keyframes)
 
-    def error(scheme: str) -> float:
-        rebuilt = SCHEMES[scheme](keys, metric)(animation.times)
+    def error(scheme: str, metric_used: LearnedMetric | None = None) -> float:
+        rebuilt = SCHEMES[scheme](keys, metric_used)(animation.times)
         return quality(rebuilt, animation, metric.quality or "hyb", weights)
 
-    return Score(what, in_sample, error(metric.scheme), error("slerp"))
+    return Score(what, in_sample, error(metric.scheme, metric), error("slerp"), error(metric.scheme))
 
 
 def assess(

@@ -13,7 +13,7 @@ import numpy as np
 
 from geomstats_anim.learning.objective import Objective
 from geomstats_anim.learning.ray_runtime import require
-from geomstats_anim.parameters import MetricParameters
+from geomstats_anim.parameters import CurveParameters
 from geomstats_anim.rotations import Array
 from geomstats_anim.shortest import Effort
 
@@ -22,7 +22,7 @@ IN_MEMORY = 32
 
 
 class Corpus:
-    """Mean quality of several clips of one rig, as a function of the metric; every scored frame weighs the same.
+    """Mean quality of several clips of one rig, as a function of the curve; every scored frame weighs the same.
 
     The results do not depend on the number of workers, not even in the last bit: each clip sees the same calls, and the
     sum is taken in the order of the clips.
@@ -49,25 +49,25 @@ class Corpus:
             raise ValueError("A corpus needs at least one clip.")
         self._shares = [count / max(1, sum(frames)) for count in frames]
 
-    def value(self, parameters: MetricParameters) -> float:
+    def value(self, curve: CurveParameters) -> float:
         """Quality; 0 is perfect."""
-        return float(self._mean(Objective.value, parameters))
+        return float(self._mean(Objective.value, curve))
 
-    def value_and_gradient(self, parameters: MetricParameters) -> tuple[float, Array]:
-        """Quality, and its derivative by the metric, shape=[B, 5], as `Objective.value_and_gradient` has it."""
-        values, gradients = zip(*self._clips.each(Objective.value_and_gradient, parameters), strict=True)
+    def value_and_gradient(self, curve: CurveParameters) -> tuple[float, Array]:
+        """Quality, and its derivative, shape=[B, 7], as `Objective.value_and_gradient` has it."""
+        values, gradients = zip(*self._clips.each(Objective.value_and_gradient, curve), strict=True)
         return float(self._weigh(values)), np.asarray(self._weigh(gradients))
 
-    def rotation_errors_by_joint(self, parameters: MetricParameters, effort: Effort = "thorough") -> Array:
+    def rotation_errors_by_joint(self, curve: CurveParameters, effort: Effort = "thorough") -> Array:
         """Mean rotation error of each joint, radians, shape=[B]; its minima are independent."""
-        return np.asarray(self._mean(partial(Objective.rotation_errors_by_joint, effort=effort), parameters))
+        return np.asarray(self._mean(partial(Objective.rotation_errors_by_joint, effort=effort), curve))
 
-    def errors_by_joint(self, parameters: MetricParameters) -> Array:
+    def errors_by_joint(self, curve: CurveParameters) -> Array:
         """Rotation error of each joint, and its part of the quality, shape=[2, B], as `Objective.errors_by_joint`."""
-        return np.asarray(self._mean(Objective.errors_by_joint, parameters))
+        return np.asarray(self._mean(Objective.errors_by_joint, curve))
 
-    def _mean(self, function: Callable[..., Any], parameters: MetricParameters) -> Any:
-        return self._weigh(self._clips.each(function, parameters))
+    def _mean(self, function: Callable[..., Any], curve: CurveParameters) -> Any:
+        return self._weigh(self._clips.each(function, curve))
 
     def _weigh(self, values: Iterable[Any]) -> Any:
         # one after the other: NumPy's own sum groups its terms by their number
@@ -92,11 +92,11 @@ class _Shelf:
             self._put(len(self._clips) - 1, objective)
         return objective.animation.n_frames if objective.scored is None else int(objective.scored.sum())
 
-    def each(self, function: Callable[..., Any], parameters: MetricParameters) -> list[Any]:
+    def each(self, function: Callable[..., Any], curve: CurveParameters) -> list[Any]:
         """Evaluate a function of every clip."""
         results = []
         for i, objective in enumerate(self):
-            results.append(function(objective, parameters))
+            results.append(function(objective, curve))
             self._put(i, objective)
         return results
 
@@ -135,7 +135,7 @@ class _Spread:
         self._n_clips += 1
         return int(require("ray").get(shelf.add.remote(objective)))
 
-    def each(self, function: Callable[..., Any], parameters: MetricParameters) -> list[Any]:
-        by_shelf = require("ray").get([shelf.each.remote(function, parameters) for shelf in self.shelves])
+    def each(self, function: Callable[..., Any], curve: CurveParameters) -> list[Any]:
+        by_shelf = require("ray").get([shelf.each.remote(function, curve) for shelf in self.shelves])
         n_shelves = len(self.shelves)
         return [by_shelf[i % n_shelves][i // n_shelves] for i in range(self._n_clips)]

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 from scipy.optimize import minimize
 
-from geomstats_anim.parameters import MetricParameters
+from geomstats_anim.parameters import INVARIANCES, MAX_TENSION, CurveParameters, MetricParameters
 from geomstats_anim.rotations import Array
 from geomstats_anim.shortest import Effort
 
@@ -31,7 +31,11 @@ _EXACTLY = {"maxiter": 200, "ftol": 1e-8}
 _HELPS = 1.0 - 1e-6
 """A point counts as better if it leaves at most this share of an error."""
 
-_AXES_BOUND = np.pi
+_MOMENTS, _AXES, _TENSIONS = [0, 1], [2, 3, 4], [5, 6]
+_TENSION, _TRANSLATION_TENSION = _TENSIONS
+_BOUNDS = [(-BOUND, BOUND)] * 2 + [(-np.pi, np.pi)] * 3 + [(0.0, MAX_TENSION)] * 2
+"""Of the columns of a point."""
+
 _TILTED = 150
 """Tilted matrices that every joint tries, where the family has them."""
 
@@ -39,24 +43,24 @@ _TILTED = 150
 class Learnable(Protocol):
     """What a search needs of its objective."""
 
-    def value(self, parameters: MetricParameters) -> float:
+    def value(self, curve: CurveParameters) -> float:
         """Return the quality; 0 is perfect."""
         ...
 
-    def value_and_gradient(self, parameters: MetricParameters) -> tuple[float, Array]:
-        """Return the quality, and its derivative, shape=[B, 5], by log alpha, log beta and a turn of the axes."""
+    def value_and_gradient(self, curve: CurveParameters) -> tuple[float, Array]:
+        """Return the quality, and its derivative, shape=[B, 7]; see `Objective.value_and_gradient`."""
         ...
 
-    def rotation_errors_by_joint(self, parameters: MetricParameters, effort: Effort = "thorough") -> Array:
+    def rotation_errors_by_joint(self, curve: CurveParameters, effort: Effort = "thorough") -> Array:
         """Return the weighted rotation error of each joint, shape=[B], which depends on its own parameters only."""
         ...
 
 
 @dataclass(frozen=True)
 class Found:
-    """A metric and its value."""
+    """Parameters of a curve, and their value."""
 
-    parameters: MetricParameters
+    curve: CurveParameters
     value: float
     evaluations: int
 
@@ -66,9 +70,11 @@ def search_gradient(
     n_joints: int,
     family: str = "diagonal",
     invariance: str = "joint",
+    scheme: str = "geodesic",
     progress: Callable[[int, float], None] = lambda evaluations, value: None,
+    rough: bool = False,
 ) -> Found:
-    """Minimise an objective over metrics.
+    """Minimise an objective over metrics, and over tensions for a spline.
 
     Parameters
     ----------
@@ -80,60 +86,107 @@ def search_gradient(
     invariance : str
         "left", "right", "clip" (the better one for all joints) or "joint" (one a joint).
         Optional, default: "joint".
+    scheme : str
+        "geodesic", or "geodesic-spline", which has tensions.
+        Optional, default: "geodesic".
     progress : callable
         Called with the number of evaluations and the best value so far.
+    rough : bool
+        Stop after a first descent, for fits that only tell how well fits predict.
+        Optional, default: False.
 
     Returns
     -------
     found : Found
-        Never worse than the identity metric.
+        Never worse than the bi-invariant metric, with the usual tension and without.
     """
-    if family not in FAMILIES:
-        raise ValueError(f"There is no family {family!r}; the families are {', '.join(FAMILIES)}.")
-    if invariance not in INVARIANCE_CHOICES:
-        raise ValueError(f"There is no invariance {invariance!r}; the choices are {', '.join(INVARIANCE_CHOICES)}.")
-    search = _Search(objective, n_joints, invariance != "joint", progress)
-    sides = ("left", "right") if invariance in ("clip", "joint") else (invariance,)
-    search.offer(np.zeros((n_joints, 2)), (sides[0],) * n_joints)
-    search.identity_value, search.identity_errors = search.best_value, search.best_errors
+    check_words(family, invariance)
+    sides = INVARIANCES if invariance in ("clip", "joint") else (invariance,)
+    search = _Search(objective, n_joints, _free_columns(family, scheme), sides, invariance != "joint", progress)
     starts = {side: search.grid(side) for side in sides}
     if invariance == "joint":
         best = np.argmin([errors for _, errors in starts.values()], axis=0)
         mixed = tuple(sides[i] for i in best)
         points = np.stack([point for point, _ in starts.values()])
         search.descend(points[best, np.arange(n_joints)], mixed, _ROUGHLY)
+        if rough:
+            return search.found
         search.try_other_sides(dict(zip(sides, points, strict=True)))
     for side, (point, _) in starts.items():
         search.descend(point, (side,) * n_joints, _ROUGHLY)
+    if rough:
+        return search.found
     search.descend(search.best_point, search.best_sides, _EXACTLY)
     if family == "spd":
-        search.free_axes(sides)
+        search.tilt()
         search.descend(search.best_point, search.best_sides, _EXACTLY)
-    return Found(search.parameters(search.best_point, search.best_sides), search.best_value, search.evaluations)
+    return search.found
+
+
+def check_words(family: str, invariance: str) -> None:
+    """Refuse a family or an invariance that there is not."""
+    if family not in FAMILIES:
+        raise ValueError(f"There is no family {family!r}; the families are {', '.join(FAMILIES)}.")
+    if invariance not in INVARIANCE_CHOICES:
+        raise ValueError(f"There is no invariance {invariance!r}; the choices are {', '.join(INVARIANCE_CHOICES)}.")
+
+
+def _free_columns(family: str, scheme: str) -> list[int]:
+    axes = _AXES if family == "spd" else []
+    return [*_MOMENTS, *axes, *(_TENSIONS if scheme == "geodesic-spline" else [])]
 
 
 class _Search:
-    """The best point so far, shape=[B, 2] or [B, 5]: log alpha, log beta and the axes' rotation vector."""
+    """The best point so far, shape=[B, 7]: log alpha, log beta, the axes' rotation vector and both tensions."""
 
     def __init__(
-        self, objective: Learnable, n_joints: int, one_side: bool, progress: Callable[[int, float], None]
+        self,
+        objective: Learnable,
+        n_joints: int,
+        free: list[int],
+        sides: Sequence[str],
+        one_side: bool,
+        progress: Callable[[int, float], None],
     ) -> None:
-        self.objective, self.n_joints, self._one_side, self._progress = objective, n_joints, one_side, progress
+        self.objective, self.n_joints, self._progress = objective, n_joints, progress
+        self._free, self._sides, self._one_side = free, sides, one_side
         self.best_value, self.evaluations = np.inf, 0
-        self.best_point: Array = np.zeros((n_joints, 2))
-        self.best_sides: tuple[str, ...] = ("left",) * n_joints
+        self.best_point: Array = np.zeros((n_joints, 7))
+        self.best_sides: tuple[str, ...] = (sides[0],) * n_joints
         self.best_errors: Array = np.full(n_joints, np.inf)
-        self.identity_value, self.identity_errors = 1.0, self.best_errors
+        self.offer(self.best_point, self.best_sides)
+        if _TENSION in free:
+            self._choose_tensions()
+        self._base = self.best_point
+        self._base_value, self._base_errors = self.best_value, self.best_errors
+
+    @property
+    def found(self) -> Found:
+        """The best so far."""
+        return Found(self.curve(self.best_point, self.best_sides), self.best_value, self.evaluations)
 
     @staticmethod
-    def parameters(point: Array, sides: Sequence[str]) -> MetricParameters:
-        axes = point[:, 2:] if point.shape[1] == 5 else None
-        return MetricParameters(np.exp(point[:, 0]), np.exp(point[:, 1]), axes, tuple(sides))
+    def curve(point: Array, sides: Sequence[str]) -> CurveParameters:
+        alpha, beta, *axes, tension, translation_tension = point.T
+        tilted = np.stack(axes, axis=-1) if np.any(axes) else None
+        metric = MetricParameters(np.exp(alpha), np.exp(beta), tilted, tuple(sides))
+        return CurveParameters(metric, tension, translation_tension)
+
+    def _choose_tensions(self) -> None:
+        """Start from the best of a few tensions for each joint, and for all translations."""
+        point = self.best_point.copy()
+        for tension in (1.0, 0.5, 1.5, 2.0):
+            point[:, _TENSIONS] = tension
+            self.offer_by_joint(point, self.best_sides)
+        for tension in (0.0, 1.0, 2.0):
+            point = self.best_point.copy()
+            point[:, _TRANSLATION_TENSION] = tension
+            self.offer(point, self.best_sides)
 
     def offer(self, point: Array, sides: tuple[str, ...]) -> bool:
         """Keep a point if it is better than the best so far."""
         self.evaluations += 1
-        value = self.objective.value(self.parameters(point, sides))
+        value = self.objective.value(self.curve(point, sides))
         better = value < self.best_value
         if better:
             self.best_value, self.best_point, self.best_sides = value, point.copy(), sides
@@ -147,54 +200,55 @@ class _Search:
         if self._one_side and sides != self.best_sides:
             return
         errors = self._rotation_errors(point, sides)
-        if point.shape != self.best_point.shape:
-            self.best_point = np.concatenate([self.best_point, np.zeros((self.n_joints, 3))], axis=1)
         better = errors < self.best_errors
         mixed_sides = (mine if ok else other for ok, mine, other in zip(better, sides, self.best_sides, strict=True))
         self.offer(np.where(better[:, None], point, self.best_point), tuple(mixed_sides))
 
     def grid(self, side: str) -> tuple[Array, Array]:
-        """Best point of the grid for each joint's own rotation error, shape=[B, 2], and those errors.
+        """Best point of the grid for each joint's own rotation error, shape=[B, 7], and those errors.
 
         A joint that no point helps, because it does not turn, or about one axis only, stays at the identity.
         """
-        points = np.stack(np.meshgrid(_GRID, _GRID, indexing="ij"), axis=-1).reshape(-1, 2)
+        moments = np.stack(np.meshgrid(_GRID, _GRID, indexing="ij"), axis=-1).reshape(-1, 2)
+        points = np.tile(self._base, (len(moments), 1, 1))
+        points[..., _MOMENTS] = moments[:, None]
         sides = (side,) * self.n_joints
-        errors = [self._rotation_errors(np.tile(point, (self.n_joints, 1)), sides, "quick") for point in points]
-        best, least = points[np.argmin(errors, axis=0)], np.min(errors, axis=0)
-        helps = least < _HELPS * self.identity_errors
-        return np.where(helps[:, None], best, 0.0), np.where(helps, least, self.identity_errors)
+        errors = [self._rotation_errors(point, sides, "quick") for point in points]
+        best, least = np.argmin(errors, axis=0), np.min(errors, axis=0)
+        helps = least < _HELPS * self._base_errors
+        point = np.where(helps[:, None], points[best, np.arange(self.n_joints)], self._base)
+        return point, np.where(helps, least, self._base_errors)
 
     def descend(self, point: Array, sides: tuple[str, ...], stop: dict[str, float]) -> None:
         """Follow the gradient from a point."""
-        shape = point.shape
-        unit = max(self.identity_value, 1e-12)
+        unit = max(self._base_value, 1e-12)
+
+        def placed(flat: Array) -> Array:
+            current = point.copy()
+            current[:, self._free] = flat.reshape(self.n_joints, -1)
+            return current
 
         def evaluate(flat: Array) -> tuple[float, Array]:
             self.evaluations += 1
-            current = flat.reshape(shape)
-            value, gradient = self.objective.value_and_gradient(self.parameters(current, sides))
+            current = placed(flat)
+            value, gradient = self.objective.value_and_gradient(self.curve(current, sides))
             self._progress(self.evaluations, min(self.best_value, value))
-            by_point = gradient[:, :2]
-            if shape[1] == 5:
-                # the gradient is by a turn from the left, the point holds a rotation vector
-                by_axes = np.einsum("bij,bi->bj", left_jacobian(current[:, 2:]), gradient[:, 2:])
-                by_point = np.concatenate([by_point, by_axes], axis=1)
-            # in units of slerp's value, so that tolerances mean the same for metres and radians
-            return value / unit, by_point.ravel() / unit
+            # the gradient is by a turn from the left, the point holds a rotation vector
+            gradient[:, _AXES] = np.einsum("bij,bi->bj", left_jacobian(current[:, _AXES]), gradient[:, _AXES])
+            # in units of the start's value, so that tolerances mean the same for metres and radians
+            return value / unit, gradient[:, self._free].ravel() / unit
 
         options: Any = {"maxcor": 20, "gtol": 1e-7, **stop}
-        bounds = [(-BOUND, BOUND)] * 2 + [(-_AXES_BOUND, _AXES_BOUND)] * (shape[1] - 2)
         result = minimize(
             evaluate,
-            point.ravel(),
+            point[:, self._free].ravel(),
             jac=True,
             method="L-BFGS-B",
-            bounds=bounds * shape[0],
+            bounds=[_BOUNDS[column] for column in self._free] * self.n_joints,
             options=options,
         )
         # a descent follows geodesics that may cease to be the shortest, in some joints
-        self.offer_by_joint(result.x.reshape(shape), sides)
+        self.offer_by_joint(placed(result.x), sides)
 
     def try_other_sides(self, points: dict[str, Array]) -> None:
         """Turn single joints to the other side, root to leaf, where that helps; then follow the gradient once more."""
@@ -208,10 +262,9 @@ class _Search:
         if turned:
             self.descend(self.best_point, self.best_sides, _ROUGHLY)
 
-    def free_axes(self, sides: Sequence[str]) -> None:
-        """Go on from the best diagonal matrices with axes unturned, and from the best of many tilted ones."""
-        diagonal = np.concatenate([self.best_point, np.zeros((self.n_joints, 3))], axis=1)
-        diagonal_sides = self.best_sides
+    def tilt(self) -> None:
+        """Go on from the best diagonal matrices with free axes, and from the best of many tilted ones."""
+        diagonal, diagonal_sides = self.best_point, self.best_sides
         random = np.random.default_rng(0)
         trials = np.concatenate(
             [random.uniform(_GRID[0], _GRID[-1], (_TILTED, 2)), random.normal(0.0, 1.5, (_TILTED, 3))], axis=1
@@ -220,17 +273,20 @@ class _Search:
         errors = self._rotation_errors(diagonal, diagonal_sides)
         point, chosen = diagonal.copy(), list(diagonal_sides)
         for number, trial in enumerate(trials):
-            trial_sides = diagonal_sides if self._one_side else (sides[number % len(sides)],) * self.n_joints
-            trial_errors = self._rotation_errors(np.tile(trial, (self.n_joints, 1)), trial_sides, "quick")
+            side = self._sides[number % len(self._sides)]
+            trial_sides = diagonal_sides if self._one_side else (side,) * self.n_joints
+            trial_point = diagonal.copy()
+            trial_point[:, [*_MOMENTS, *_AXES]] = trial
+            trial_errors = self._rotation_errors(trial_point, trial_sides, "quick")
             better = np.flatnonzero(trial_errors < _HELPS * errors)
-            point[better], errors[better] = trial, trial_errors[better]
+            point[better], errors[better] = trial_point[better], trial_errors[better]
             for joint in better:
                 chosen[joint] = trial_sides[joint]
         self.descend(point, tuple(chosen), _ROUGHLY)
 
     def _rotation_errors(self, point: Array, sides: tuple[str, ...], effort: Effort = "thorough") -> Array:
         self.evaluations += 1
-        errors = self.objective.rotation_errors_by_joint(self.parameters(point, sides), effort)
+        errors = self.objective.rotation_errors_by_joint(self.curve(point, sides), effort)
         self._progress(self.evaluations, self.best_value)
         return errors
 

@@ -17,19 +17,17 @@ from geomstats_anim.interpolation import SCHEMES as INTERPOLATION_SCHEMES
 from geomstats_anim.learning.gradient import Found, Learnable, search_gradient
 from geomstats_anim.learning.objective import Objective
 from geomstats_anim.learning.shrinkage import Fold, blocks, shrink
-from geomstats_anim.parameters import LearnedMetric
+from geomstats_anim.parameters import CurveParameters, LearnedMetric
 from geomstats_anim.quality import quality
+from geomstats_anim.tangents import STILL
 
 if TYPE_CHECKING:
     from geomstats_anim.learning.tpe import TuneSettings
 
 SEARCHES = ("gradient", "tpe", "tpe-joint")
 PURPOSES = ("reconstruct", "predict")
-SCHEMES = ("geodesic",)
+SCHEMES = ("geodesic", "geodesic-spline")
 """Schemes whose parameters can be learned."""
-
-STILL = 1e-6
-"""Turn in radians below which a joint does not move: what float32 makes of a constant."""
 
 
 def learn_metric(
@@ -48,7 +46,7 @@ def learn_metric(
     tune: TuneSettings | None = None,
     progress: Callable[[int, float], None] = lambda evaluations, value: None,
 ) -> LearnedMetric:
-    r"""Learn the metric whose geodesics rebuild an animation best from some of its frames.
+    r"""Learn the metric, and for a spline the tension, with which some frames of an animation rebuild it best.
 
     Kushner, Modi, Miolane, "Learning Riemannian metrics for interpolating animations", equation 6.
 
@@ -64,7 +62,8 @@ def learn_metric(
         Optional, default: "gradient".
     purpose : str
         "reconstruct": fit these frames as well as possible, for a metric that travels with the animation.
-        "predict": shrink the fit towards the identity as far as cross-validation says, for frames nobody has seen.
+        "predict": shrink the fit towards the bi-invariant metric, and a spline's tension towards 1, as far as
+        cross-validation says, for frames nobody has seen.
         Optional, default: "reconstruct".
     family : str
         "diagonal", or "spd" for any symmetric positive definite matrix.
@@ -94,7 +93,8 @@ def learn_metric(
     Returns
     -------
     metric : LearnedMetric
-        Its provenance holds `score` and `slerp_score` on the frames it was learned from, which are in-sample.
+        Its provenance holds `score`, `slerp_score`, and `plain_score`, which is the scheme's without learning, on the
+        frames it was learned from, which are in-sample.
 
     Raises
     ------
@@ -129,32 +129,36 @@ def learn_metric(
     joints = animations[0].skeleton.joints
     clips = [Objective(clip, kept, kind, weights, location_weight) for clip, kept in zip(animations, keys, strict=True)]
 
-    def find(objective: Learnable, settings: TuneSettings | None) -> Found:
+    def find(objective: Learnable, settings: TuneSettings | None, rough: bool = False) -> Found:
         if search == "gradient":
-            return search_gradient(objective, len(joints), family, invariance, progress)
+            return search_gradient(objective, len(joints), family, invariance, scheme, progress, rough)
         from geomstats_anim.learning import tpe
 
         run = tpe.search_tpe if search == "tpe" else tpe.search_tpe_joint
-        return run(objective, len(joints), family, invariance, seed, settings or tpe.TuneSettings(), progress)
+        return run(objective, len(joints), family, invariance, scheme, seed, settings or tpe.TuneSettings(), progress)
 
     with _workers(len(clips), tune) as workers:
         found = find(_together(clips, workers), tune)
-        parameters = found.parameters
+        curve = found.curve
         extra: dict[str, Any] = {}
         if purpose == "predict":
             # a folder holds one search, that of all frames
             quiet = None if tune is None else replace(tune, folder=None, resume=False, wandb=None)
-            shrinkage = shrink(_folds(clips, workers), parameters, lambda objective: find(objective, quiet))
-            parameters = shrinkage.parameters
+            plain = CurveParameters.plain(scheme, len(joints))
+            shrinkage = shrink(_folds(clips, workers), curve, plain, lambda fold: find(fold, quiet, rough=True))
+            curve = shrinkage.curve
             extra = {"shrinkage": shrinkage.factors.tolist()}
             if np.isfinite(shrinkage.score):
                 extra["cross_validated_score"] = shrinkage.score
                 extra["cross_validated_slerp_score"] = shrinkage.slerp_score
+                extra["cross_validated_plain_score"] = shrinkage.plain_score
 
-    def score(scheme_name: str) -> float:
+    metric = LearnedMetric(joints, curve.metric, curve.tension, scheme, kind, {}, curve.translation_tension)
+
+    def score(scheme_name: str, metric: LearnedMetric | None = None) -> float:
         total = 0.0
         for clip, kept in zip(animations, keys, strict=True):
-            rebuilt = INTERPOLATION_SCHEMES[scheme_name](clip.at_frames(kept), parameters)(clip.times)
+            rebuilt = INTERPOLATION_SCHEMES[scheme_name](clip.at_frames(kept), metric)(clip.times)
             total += clip.n_frames * quality(rebuilt, clip, kind, weights, location_weight)
         return total / sum(clip.n_frames for clip in animations)
 
@@ -168,11 +172,12 @@ def learn_metric(
         "evaluations": found.evaluations,
         "frames": [clip.n_frames for clip in animations],
         "keys": [len(kept) for kept in keys],
-        "score": score(scheme),
+        "score": score(scheme, metric),
         "slerp_score": score("slerp"),
+        "plain_score": score(scheme),
         **extra,
     }
-    return LearnedMetric(joints, parameters, scheme=scheme, quality=kind, provenance=provenance)
+    return replace(metric, provenance=provenance)
 
 
 @contextmanager

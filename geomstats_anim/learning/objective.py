@@ -1,4 +1,4 @@
-"""What learning minimises: the quality of an animation rebuilt from its keys, and its exact gradient by the metric."""
+"""What learning minimises: the quality of an animation rebuilt from its keys, and its exact gradient by the curve."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from numpy.typing import ArrayLike
 
 from geomstats_anim import rotations as quat
 from geomstats_anim.animation import Animation
-from geomstats_anim.geodesics import PoseGeodesics
-from geomstats_anim.interpolation import locate
-from geomstats_anim.kinematics import place, torques, world_pose
-from geomstats_anim.parameters import MetricParameters
+from geomstats_anim.curves import locate
+from geomstats_anim.kinematics import place, pull_back_ends, world_pose
+from geomstats_anim.parameters import CurveParameters
 from geomstats_anim.quality import joint_weights, kind_shares
 from geomstats_anim.rotations import Array
 from geomstats_anim.shortest import Effort
+from geomstats_anim.splines import PathSpline, PoseSpline
 
 SMOOTHING = 1e-5
 """Angle in radians below which the rotation error is rounded off, since an angle has no derivative at 0."""
@@ -23,7 +23,7 @@ SMOOTHING = 1e-5
 
 @dataclass
 class Objective:
-    """Quality of an animation rebuilt from its keys by geodesics, as a function of the metric.
+    """Quality of an animation rebuilt from its keys, as a function of the metric and the tension.
 
     Parameters
     ----------
@@ -46,27 +46,25 @@ class Objective:
     weights: str | ArrayLike | None = None
     location_weight: float = 0.5
     scored: np.ndarray | None = None
-    _last: PoseGeodesics | None = field(default=None, repr=False)
+    _last: PoseSpline | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         """Prepare what does not depend on the metric."""
         animation = self.animation
         keys = animation.at_frames(np.asarray(self.keyframes, dtype=np.intp))
-        self._keys = keys.rotations
+        self._keys = keys
         self._segment, self._fraction = locate(keys.times, animation.times)
         self._shares = kind_shares(self.kind, self.location_weight)
         scored = np.ones(animation.n_frames, dtype=bool) if self.scored is None else self.scored
         self._counts = scored
         by_joint = joint_weights(self.weights, animation.skeleton) / max(1, scored.sum())
         self._weights = scored[:, None] * by_joint
-        start, end = keys.translations[self._segment], keys.translations[self._segment + 1]
-        self._translations = start + self._fraction[:, None, None] * (end - start)
         self._truth = world_pose(animation).ends
 
     @property
     def n_segments(self) -> int:
         """Number of segments between keys."""
-        return len(self._keys) - 1
+        return self._keys.n_frames - 1
 
     def only(self, segments: np.ndarray) -> Objective:
         """Score only the frames of some segments."""
@@ -76,47 +74,47 @@ class Objective:
         """Score only the frames of the other segments."""
         return replace(self, scored=self._counts & ~np.isin(self._segment, segments), _last=None)
 
-    def rotation_errors_by_joint(self, parameters: MetricParameters, effort: Effort = "thorough") -> Array:
+    def rotation_errors_by_joint(self, curve: CurveParameters, effort: Effort = "thorough") -> Array:
         """Weighted mean rotation error of each joint, radians, shape=[B]; its minima are independent."""
-        rotations = self._rebuild(parameters, effort)
+        rotations = self._spline(curve, effort)(self._segment, self._fraction)
         return (self._weights * _smooth(quat.distance(self.animation.rotations, rotations))).sum(axis=0)
 
-    def errors_by_joint(self, parameters: MetricParameters) -> Array:
+    def errors_by_joint(self, curve: CurveParameters) -> Array:
         """Rotation error of each joint, and its part of the quality, shape=[2, B]; the parts add up to `value`.
 
-        A rotation error depends on the metric of its own joint, a part on that of the joints above it too.
+        A rotation error depends on the metric and tension of its own joint, a part on those of the joints above it too.
         """
-        rotations = self._rebuild(parameters, "thorough")
+        rotations = self._spline(curve, "thorough")(self._segment, self._fraction)
         rotation = _smooth(quat.distance(self.animation.rotations, rotations))
         part = self._shares.rotation * rotation
         if self._shares.location:
-            miss = place(self.animation.skeleton, rotations, self._translations).ends - self._truth
+            translations = self._path(curve)(self._segment, self._fraction)
+            miss = place(self.animation.skeleton, rotations, translations).ends - self._truth
             part += self._shares.location * (miss**2).sum(axis=-1)
         return np.stack([(self._weights * errors).sum(axis=0) for errors in (rotation, part)])
 
-    def value(self, parameters: MetricParameters) -> float:
-        """Quality with the geodesics that `interpolate` finds; 0 is perfect."""
-        return float(self.errors_by_joint(parameters)[1].sum())
+    def value(self, curve: CurveParameters) -> float:
+        """Quality of what `interpolate` makes of the keys; 0 is perfect."""
+        return float(self.errors_by_joint(curve)[1].sum())
 
-    def value_and_gradient(self, parameters: MetricParameters) -> tuple[float, Array]:
-        """Quality, and its derivative by the metric.
+    def value_and_gradient(self, curve: CurveParameters) -> tuple[float, Array]:
+        """Quality, and its derivative.
 
         The geodesics are followed from those of the last call, if it had the same sides, which is quick.
 
         Returns
         -------
         value : float
-        gradient : array-like, shape=[B, 5]
-            By log alpha, log beta, and a rotation vector that turns the axes from the left.
+        gradient : array-like, shape=[B, 7]
+            By log alpha, log beta, a rotation vector that turns the axes from the left, and both tensions.
         """
         near = self._last
-        if near is not None and near.parameters.invariance != parameters.invariance:
+        if near is not None and near.geodesics.parameters.invariance != curve.metric.invariance:
             near = None
-        geodesics = PoseGeodesics.between(self._keys[:-1], self._keys[1:], parameters, near, "quick")
-        self._last = geodesics
-        rotations = geodesics(self._segment, self._fraction)
+        spline = self._last = self._spline(curve, "quick", near)
+        rotations = spline(self._segment, self._fraction)
         skeleton = self.animation.skeleton
-        value = 0.0
+        value, by_translation_tension = 0.0, np.zeros(skeleton.n_joints)
         cotangent = np.zeros((*rotations.shape[:2], 3))
         if self._shares.rotation:
             miss = quat.log(quat.multiply(quat.conjugate(self.animation.rotations), rotations))
@@ -125,16 +123,24 @@ class Objective:
             value += float((_smooth(angle) * weights).sum())
             cotangent += miss * (weights / np.hypot(angle, SMOOTHING))[..., None]
         if self._shares.location:
-            pose = place(skeleton, rotations, self._translations)
+            path = self._path(curve)
+            pose = place(skeleton, rotations, path(self._segment, self._fraction))
             miss = pose.ends - self._truth
             weights = self._shares.location * self._weights
             value += float(((miss**2).sum(axis=-1) * weights).sum())
-            cotangent += torques(skeleton, pose, 2.0 * weights[..., None] * miss)
-        return value, geodesics.pull_back(self._segment, self._fraction, rotations, cotangent)
+            by_rotation, by_translation = pull_back_ends(skeleton, pose, 2.0 * weights[..., None] * miss)
+            cotangent += by_rotation
+            by_translation_tension = path.pull_back(self._segment, self._fraction, by_translation)
+        by_metric, by_tension = spline.pull_back(self._segment, self._fraction, rotations, cotangent)
+        by_tensions = np.stack([by_tension, by_translation_tension], axis=-1)
+        return value, np.concatenate([by_metric, by_tensions], axis=-1)
 
-    def _rebuild(self, parameters: MetricParameters, effort: Effort) -> Array:
-        geodesics = PoseGeodesics.between(self._keys[:-1], self._keys[1:], parameters, effort=effort)
-        return geodesics(self._segment, self._fraction)
+    def _spline(self, curve: CurveParameters, effort: Effort, near: PoseSpline | None = None) -> PoseSpline:
+        keys = self._keys
+        return PoseSpline(keys.times, keys.rotations, curve.metric, curve.tension, near, effort)
+
+    def _path(self, curve: CurveParameters) -> PathSpline:
+        return PathSpline(self._keys.times, self._keys.translations, curve.translation_tension)
 
 
 def _smooth(angle: Array) -> Array:

@@ -14,10 +14,19 @@ import numpy as np
 from scipy.special import stdtrit
 
 from geomstats_anim.learning.gradient import Found, Learnable
-from geomstats_anim.parameters import MetricParameters
+from geomstats_anim.parameters import CurveParameters, MetricParameters
 from geomstats_anim.rotations import Array
 
 FACTORS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
+
+TENSIONS = (0.0, 0.5, 1.5, 2.0)
+"""Tensions that compete with the usual one."""
+
+CONFIDENCE = 0.95
+"""Of a gain, one-sided."""
+
+_PERFECT = 1e-9
+"""Error at which nothing is left to gain."""
 
 N_FOLDS = 4
 
@@ -30,51 +39,65 @@ class Fold(NamedTuple):
 
 
 class Shrinkage(NamedTuple):
-    """A shrunk metric.
+    """A curve shrunk towards the plain one.
 
     Attributes
     ----------
-    parameters : MetricParameters
+    curve : CurveParameters
     factors : array-like, shape=[B]
-        0 where the identity predicts as well, 1 where the fit is kept as it is.
-    score, slerp_score : float
-        Cross-validated quality of metrics shrunk by these factors, and of slerp, mean over the folds.
+        0 where the plain curve predicts as well, 1 where the fit is kept as it is.
+    score, slerp_score, plain_score : float
+        Cross-validated quality of curves shrunk by these factors, of slerp, and of the plain curve as it was given,
+        mean over the folds.
     """
 
-    parameters: MetricParameters
+    curve: CurveParameters
     factors: Array
     score: float
     slerp_score: float
+    plain_score: float
 
 
-def scaled(parameters: MetricParameters, factors: Array) -> MetricParameters:
-    """Move a metric towards the identity, each joint to its share of log alpha and log beta.
+def scaled(curve: CurveParameters, factors: Array, plain: CurveParameters) -> CurveParameters:
+    """Move a curve towards a plain one, each joint to its share of log alpha, log beta and what its tension is above.
 
     Parameters
     ----------
-    parameters : MetricParameters
+    curve : CurveParameters
     factors : array-like, shape=[B]
+    plain : CurveParameters
+        Bi-invariant. Translations keep its tension, since rotation errors choose the factors.
 
     Returns
     -------
-    scaled : MetricParameters
+    scaled : CurveParameters
     """
-    return MetricParameters(parameters.alpha**factors, parameters.beta**factors, parameters.axes, parameters.invariance)
+    fit = curve.metric
+    metric = MetricParameters(fit.alpha**factors, fit.beta**factors, fit.axes, fit.invariance)
+    tension = plain.tension + factors * (curve.tension - plain.tension)
+    return CurveParameters(metric, tension, plain.translation_tension)
 
 
-def shrink(folds: Sequence[Fold], fitted: MetricParameters, find: Callable[[Learnable], Found]) -> Shrinkage:
-    """Choose each joint's factor by cross-validation.
+def shrink(
+    folds: Sequence[Fold],
+    fitted: CurveParameters,
+    plain: CurveParameters,
+    find: Callable[[Learnable], Found],
+) -> Shrinkage:
+    """Choose each joint's factor by cross-validation, for a spline after one tension for all joints.
 
-    A joint takes the factor whose gain over slerp is certain to be the largest, at the lower end of its 95 % interval
-    over the folds: the identity unless they agree. If the metrics so shrunk do not beat slerp in the quality itself,
-    the identity is returned.
+    A choice is made for the largest gain that is certain, at the lower end of its 90 % interval over the folds: so it
+    falls on the plain curve unless they agree. If the curves so shrunk do not beat the plain one in the quality itself,
+    that is returned.
 
     Parameters
     ----------
     folds : sequence of Fold
-        Fewer than two say nothing, and the identity is returned.
-    fitted : MetricParameters
+        Fewer than two say nothing, and the plain curve is returned.
+    fitted : CurveParameters
         Of all frames.
+    plain : CurveParameters
+        Of the scheme, with the bi-invariant metric.
     find : callable
         The search that fitted it.
 
@@ -82,27 +105,47 @@ def shrink(folds: Sequence[Fold], fitted: MetricParameters, find: Callable[[Lear
     -------
     shrinkage : Shrinkage
     """
-    n_joints = fitted.n_joints
-    identity = MetricParameters.identity(n_joints)
-    slerp_score = float(np.mean([fold.test.value(identity) for fold in folds])) if folds else np.nan
-    nothing = Shrinkage(identity, np.zeros(n_joints), slerp_score, slerp_score)
+    n_joints = fitted.metric.n_joints
+    none = np.zeros(n_joints)
+    slerp = CurveParameters.geodesic(plain.metric)
+    slerp_score, plain_score = (_mean([fold.test.value(curve) for fold in folds]) for curve in (slerp, plain))
     if len(folds) < 2:
-        return nothing
-    fits = [find(fold.train).parameters for fold in folds]
+        return Shrinkage(plain, none, plain_score, slerp_score, plain_score)
+    base, base_score = _with_one_tension(folds, plain)
+    fits = [find(fold.train).curve for fold in folds]
     errors = np.array(
         [
-            [fold.test.rotation_errors_by_joint(scaled(fit, np.full(n_joints, factor))) for factor in FACTORS]
+            [fold.test.rotation_errors_by_joint(scaled(fit, np.full(n_joints, factor), base)) for factor in FACTORS]
             for fold, fit in zip(folds, fits, strict=True)
         ]
     )
-    gains = errors[:, :1] - errors
-    standard_error = gains.std(axis=0, ddof=1) / np.sqrt(len(folds))
-    certain_gain = gains.mean(axis=0) - stdtrit(len(folds) - 1, 0.95) * standard_error
-    factors = FACTORS[certain_gain.argmax(axis=0)]
-    score = float(np.mean([fold.test.value(scaled(fit, factors)) for fold, fit in zip(folds, fits, strict=True)]))
-    if not score < slerp_score:
-        return nothing
-    return Shrinkage(scaled(fitted, factors), factors, score, slerp_score)
+    factors = FACTORS[_certain_gain(errors).argmax(axis=0)]
+    score = _mean([fold.test.value(scaled(fit, factors, base)) for fold, fit in zip(folds, fits, strict=True)])
+    if not score < base_score:
+        return Shrinkage(base, none, base_score, slerp_score, plain_score)
+    return Shrinkage(scaled(fitted, factors, base), factors, score, slerp_score, plain_score)
+
+
+def _mean(values: list[float]) -> float:
+    return float(np.mean(values)) if values else float("nan")
+
+
+def _with_one_tension(folds: Sequence[Fold], plain: CurveParameters) -> tuple[CurveParameters, float]:
+    """Choose one tension for all joints of a spline, and tell its quality."""
+    curves = [plain]
+    if plain.tension.any():
+        tensions = (np.full(plain.metric.n_joints, tension) for tension in TENSIONS)
+        curves += [CurveParameters(plain.metric, tension, tension) for tension in tensions]
+    errors = np.array([[fold.test.value(curve) for curve in curves] for fold in folds])
+    best = int(_certain_gain(errors).argmax())
+    return curves[best], float(errors[:, best].mean())
+
+
+def _certain_gain(errors: Array) -> Array:
+    """Gain over the first choice that is certain, as a share, from errors by fold and choice, shape=[n, C, ...]."""
+    gains = (errors[:, :1] - errors) / np.maximum(errors[:, :1], _PERFECT)
+    standard_error = gains.std(axis=0, ddof=1) / np.sqrt(len(errors))
+    return gains.mean(axis=0) - stdtrit(len(errors) - 1, CONFIDENCE) * standard_error
 
 
 def blocks(n_segments: int, n_folds: int = N_FOLDS) -> list[np.ndarray]:

@@ -16,10 +16,10 @@ from typing import Any, cast
 import numpy as np
 
 from geomstats_anim.learning.corpus import Corpus
-from geomstats_anim.learning.gradient import BOUND, FAMILIES, INVARIANCE_CHOICES, Found, Learnable
+from geomstats_anim.learning.gradient import BOUND, Found, Learnable, check_words
 from geomstats_anim.learning.objective import Objective
 from geomstats_anim.learning.ray_runtime import require
-from geomstats_anim.parameters import INVARIANCES, MetricParameters
+from geomstats_anim.parameters import INVARIANCES, CurveParameters, MetricParameters
 from geomstats_anim.rotations import Array
 
 TRIALS, WINDOW = 1000, 250
@@ -37,7 +37,8 @@ ZOOM = 0.25
 _AXES_BOUND = np.pi / 2.0  # further turns only exchange or reverse axes, and alpha and beta do that too
 
 Point = dict[str, Any]
-"""One value a label: log_alpha_B, log_beta_B, axis_x_B, axis_y_B, axis_z_B a number, side_B or side a word."""
+"""One value a label: log_alpha_B, log_beta_B, axis_x_B, axis_y_B, axis_z_B a number, side_B or side a word; for
+a spline bend_B and path_bend_B, by how much the tensions are above 1."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +119,7 @@ class Space:
     ----------
     joints : sequence of int
         Joints that are searched.
-    family, invariance : str
+    family, invariance, scheme : str
         As in `search_gradient`.
     around : dict
         Point to stay near, within a share of the bounds.
@@ -128,20 +129,16 @@ class Space:
     joints: Sequence[int]
     family: str
     invariance: str
+    scheme: str = "geodesic"
     around: Point | None = None
 
     def __post_init__(self) -> None:
         """Check the words."""
-        if self.family not in FAMILIES:
-            raise ValueError(f"There is no family {self.family!r}; the families are {', '.join(FAMILIES)}.")
-        if self.invariance not in INVARIANCE_CHOICES:
-            raise ValueError(
-                f"There is no invariance {self.invariance!r}; the choices are {', '.join(INVARIANCE_CHOICES)}."
-            )
+        check_words(self.family, self.invariance)
 
     @property
     def identity(self) -> Point:
-        """Where every search starts, so that it never ends worse than slerp."""
+        """Where every search starts, so that it never ends worse than the scheme without learning."""
         return {label: 0.0 for label in self._bounds()} | {label: INVARIANCES[0] for label in self._sides()}
 
     def expression(self) -> dict[str, Any]:
@@ -153,8 +150,8 @@ class Space:
             numbers[label] = hp.uniform(label, max(-bound, near - reach), min(bound, near + reach))
         return numbers | {label: hp.choice(label, list(INVARIANCES)) for label in self._sides()}
 
-    def parameters(self, point: Mapping[str, Any]) -> MetricParameters:
-        """Translate a point into the metric of the joints searched."""
+    def parameters(self, point: Mapping[str, Any]) -> CurveParameters:
+        """Translate a point into the parameters of the joints searched."""
 
         def column(name: str) -> Array:
             return np.array([point[f"{name}_{joint}"] for joint in self.joints])
@@ -164,12 +161,17 @@ class Space:
             sides = tuple(point[f"side_{joint}"] for joint in self.joints)
         else:
             sides = (point.get("side", self.invariance),) * len(self.joints)
-        return MetricParameters(np.exp(column("log_alpha")), np.exp(column("log_beta")), axes, sides)
+        metric = MetricParameters(np.exp(column("log_alpha")), np.exp(column("log_beta")), axes, sides)
+        if self.scheme != "geodesic-spline":
+            return CurveParameters.geodesic(metric)
+        return CurveParameters(metric, 1.0 + column("bend"), 1.0 + column("path_bend"))
 
     def _bounds(self) -> dict[str, float]:
         names = {"log_alpha": BOUND, "log_beta": BOUND}
         if self.family == "spd":
             names |= {f"axis_{axis}": _AXES_BOUND for axis in "xyz"}
+        if self.scheme == "geodesic-spline":
+            names |= {"bend": 1.0, "path_bend": 1.0}
         return {f"{name}_{joint}": float(bound) for joint in self.joints for name, bound in names.items()}
 
     def _sides(self) -> list[str]:
@@ -183,6 +185,7 @@ def search_tpe_joint(
     n_joints: int,
     family: str = "diagonal",
     invariance: str = "joint",
+    scheme: str = "geodesic",
     seed: int = 0,
     settings: TuneSettings | None = None,
     progress: Callable[[int, float], None] = lambda evaluations, value: None,
@@ -193,7 +196,7 @@ def search_tpe_joint(
     ----------
     objective : Learnable
     n_joints : int
-    family, invariance : str
+    family, invariance, scheme : str
         As in `search_gradient`.
     seed : int
         With one worker, the same seed gives the same result.
@@ -204,7 +207,7 @@ def search_tpe_joint(
     Returns
     -------
     found : Found
-        Never worse than the identity metric.
+        Never worse than the bi-invariant metric with the usual tension.
 
     Raises
     ------
@@ -215,7 +218,7 @@ def search_tpe_joint(
     ValueError
         If there is nothing to resume, or the folder is that of another search.
     """
-    space = Space(range(n_joints), family, invariance)
+    space = Space(range(n_joints), family, invariance, scheme)
     for module in ("hyperopt", "ray", "tensorboardX"):
         require(module)
     trials = require("geomstats_anim.learning.tune_trials")
@@ -228,6 +231,7 @@ def search_tpe(
     n_joints: int,
     family: str = "diagonal",
     invariance: str = "joint",
+    scheme: str = "geodesic",
     seed: int = 0,
     settings: TuneSettings | None = None,
     progress: Callable[[int, float], None] = lambda evaluations, value: None,
@@ -238,13 +242,13 @@ def search_tpe(
 
     Parameters
     ----------
-    objective, n_joints, family, invariance, seed, settings, progress
+    objective, n_joints, family, invariance, scheme, seed, settings, progress
         As in `search_tpe_joint`.
 
     Returns
     -------
     found : Found
-        Never worse than the identity metric.
+        Never worse than the bi-invariant metric with the usual tension.
 
     Raises
     ------
@@ -252,7 +256,7 @@ def search_tpe(
         If HyperOpt is missing; the message names the extra.
     """
     settings = settings or TuneSettings()
-    space = Space(range(n_joints), family, invariance)
+    space = Space(range(n_joints), family, invariance, scheme)
     require("hyperopt")
     if settings.resume:
         raise ValueError("The search joint by joint takes seconds and cannot be resumed; start it again.")
@@ -286,8 +290,8 @@ class _JointByJoint:
                 for joints in levels:
                     self._search_in_step(joints, self._from_here_down, zoom)
         found = [(self._corpus.value(one), one) for one in (identity, self._space.parameters(self._chosen))]
-        value, parameters = min(found, key=lambda one: one[0])
-        return Found(parameters, value, self._evaluations)
+        value, curve = min(found, key=lambda one: one[0])
+        return Found(curve, value, self._evaluations)
 
     def _search_in_step(self, joints: Sequence[int], evaluate: Callable[[Point], Array], zoom: bool = False) -> None:
         """Search for joints at once, each by its own element of the errors, starting from what is chosen so far."""

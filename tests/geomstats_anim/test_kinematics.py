@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from geomstats_anim import Animation, Skeleton
 from geomstats_anim import rotations as quat
-from geomstats_anim.kinematics import breadth_first, place, torques, world_pose
+from geomstats_anim.kinematics import breadth_first, place, pull_back_ends, world_pose
 
 TREES = {
     "one joint": (-1,),
@@ -81,7 +81,7 @@ def test_the_order_of_joints_means_nothing(animation):
         np.testing.assert_allclose(mine[:, order], theirs, atol=1e-14)
 
 
-def test_torques_are_the_derivative_of_any_function_of_bone_ends(animation):
+def test_torques_and_pulls_are_the_derivative_of_any_function_of_bone_ends(animation):
     rng = np.random.default_rng(1)
     phase = rng.normal(size=(4, animation.n_joints, 3))
     couple = rng.normal(size=(animation.n_joints, animation.n_joints))
@@ -91,33 +91,38 @@ def test_torques_are_the_derivative_of_any_function_of_bone_ends(animation):
         u = ends + phase
         return np.einsum("fbi,bc,fci->", u, couple, np.sin(u))
 
-    def at(rotations):
-        return function(place(animation.skeleton, rotations, animation.translations).ends)
+    def at(rotations, translations):
+        return function(place(animation.skeleton, rotations, translations).ends)
 
     pose = world_pose(animation)
     u = pose.ends + phase
     forces = np.einsum("bc,fci->fbi", couple, np.sin(u)) + np.cos(u) * np.einsum("fbi,bc->fci", u, couple)
-    found = torques(animation.skeleton, pose, forces)
+    torques, pulls = pull_back_ends(animation.skeleton, pose, forces)
     step = 1e-5
-    expected = np.empty_like(found)
-    for index in np.ndindex(found.shape):
-        values = []
+    by_turn, by_shift = np.empty_like(torques), np.empty_like(pulls)
+    for index in np.ndindex(torques.shape):
+        turned, shifted = [], []
         for sign in (1.0, -1.0):
             turn = np.zeros(3)
             turn[index[2]] = sign * step
             rotations = animation.rotations.copy()
             rotations[index[:2]] = quat.multiply(rotations[index[:2]], quat.exp(turn))
-            values.append(at(rotations))
-        expected[index] = (values[0] - values[1]) / (2.0 * step)
-    np.testing.assert_allclose(found, expected, atol=1e-7 * np.abs(expected).max())
+            turned.append(at(rotations, animation.translations))
+            translations = animation.translations.copy()
+            translations[index] += sign * step
+            shifted.append(at(animation.rotations, translations))
+        by_turn[index] = (turned[0] - turned[1]) / (2.0 * step)
+        by_shift[index] = (shifted[0] - shifted[1]) / (2.0 * step)
+    for found, expected in ((torques, by_turn), (pulls, by_shift)):
+        np.testing.assert_allclose(found, expected, atol=1e-7 * np.abs(expected).max())
 
 
 def test_forces_are_not_changed_and_none_make_no_torque(animation):
     pose = world_pose(animation)
     forces = np.zeros_like(pose.ends)
-    assert not torques(animation.skeleton, pose, forces).any()
+    assert not np.any(pull_back_ends(animation.skeleton, pose, forces))
     forces[:] = 1.0
-    torques(animation.skeleton, pose, forces)
+    pull_back_ends(animation.skeleton, pose, forces)
     assert (forces == 1.0).all()
 
 

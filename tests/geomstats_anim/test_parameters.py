@@ -17,6 +17,7 @@ def learned(rng, n, full=True, **changes):
         "joints": [f"joint{i}" for i in range(n)],
         "parameters": samples.parameters(rng, n, 100.0, full=full),
         "tension": rng.uniform(size=n),
+        "translation_tension": rng.uniform(size=n),
         "scheme": "geodesic-spline",
         "quality": "hyb",
         "provenance": {"source": "walk.usda", "seed": 3, "scores": [0.1, 1e-300], "nested": {"a": None}},
@@ -29,6 +30,7 @@ def assert_same(one, other):
     assert one.provenance == other.provenance
     assert one.parameters.invariance == other.parameters.invariance
     np.testing.assert_array_equal(one.tension, other.tension)
+    np.testing.assert_array_equal(one.translation_tension, other.translation_tension)
     for name in ("alpha", "beta", "axes"):
         np.testing.assert_array_equal(getattr(one.parameters, name), getattr(other.parameters, name))
 
@@ -148,7 +150,9 @@ def test_for_joints_matches_by_name():
     sides = metric.parameters.invariance
     assert matched.parameters.invariance == (sides[2], "left", sides[0])
     np.testing.assert_allclose(matched.parameters.matrices[1], np.eye(3))
-    np.testing.assert_array_equal(matched.tension, [metric.tension[2], 0.0, metric.tension[0]])
+    for name in ("tension", "translation_tension"):
+        values, usual = getattr(metric, name), float(metric.scheme == "geodesic-spline")
+        np.testing.assert_array_equal(getattr(matched, name), [values[2], usual, values[0]])
     assert matched.provenance == metric.provenance
 
 
@@ -171,8 +175,9 @@ def test_for_joints_it_does_not_know(joints):
     [
         ({"joints": ["a", "b", "a"]}, "Joint names must be unique, but 'a' is there twice."),
         ({"joints": ["a", "b"]}, "There are 2 joints, but metric parameters for 3."),
-        ({"tension": [0.0, 1.0]}, "tension has shape (2,); one finite number for each of 3 joints."),
-        ({"tension": [0.0, 1.0, np.nan]}, "tension has shape (3,); one finite number for each of 3 joints."),
+        ({"tension": [0.0, 1.0]}, "tension has shape (2,), but there are 3 joints."),
+        ({"tension": [0.0, 1.0, np.nan]}, "tension of joint 2 is nan; it must be from 0 to 2."),
+        ({"translation_tension": [0.0, -1.0, 3.0]}, "translation_tension of joint 1 is -1.0; it must be from 0 to 2."),
     ],
 )
 def test_what_a_learned_metric_refuses(changes, message):

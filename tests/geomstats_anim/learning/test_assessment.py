@@ -30,13 +30,13 @@ def never(animation, keyframes):
 )
 def test_verdicts(value, verdict):
     for unit in (1e-3, 1.0, 50.0):
-        result = Score("what", True, value * unit, unit)
+        result = Score("what", True, value * unit, unit, unit)
         assert result.verdict == verdict
         assert result.gain == pytest.approx(1.0 - value)
 
 
 def test_where_slerp_is_perfect_there_is_nothing_to_gain():
-    assert Score("what", True, 0.0, 0.0).verdict == "ties with slerp"
+    assert Score("what", True, 0.0, 0.0, 0.0).verdict == "ties with slerp"
 
 
 @pytest.mark.parametrize("kind", ["loc", "rot", "hyb"])

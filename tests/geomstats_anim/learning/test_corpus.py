@@ -13,8 +13,10 @@ from geomstats_anim.learning.corpus import Corpus
 from geomstats_anim.learning.gradient import search_gradient
 from geomstats_anim.learning.objective import Objective
 from geomstats_anim.learning.tpe import TuneSettings, search_tpe
+from geomstats_anim.parameters import CurveParameters
 
-PARAMETERS = MetricParameters([2.0, 0.5, 3.0], [0.3, 1.0, 2.0], None, ("left", "right", "right"))
+METRIC = MetricParameters([2.0, 0.5, 3.0], [0.3, 1.0, 2.0], None, ("left", "right", "right"))
+PARAMETERS = CurveParameters(METRIC, [0.3, 1.0, 1.7], [1.0, 0.0, 2.0])
 
 
 def clips():
@@ -53,7 +55,7 @@ def test_no_clips():
 def test_joint_by_joint_on_a_corpus():
     corpus = Corpus(clips())
     found = search_tpe(corpus, N_JOINTS, settings=TuneSettings(trials=25))
-    assert found.value == corpus.value(found.parameters) < corpus.value(MetricParameters.identity(N_JOINTS))
+    assert found.value == corpus.value(found.curve) < corpus.value(CurveParameters.plain("geodesic", N_JOINTS))
 
 
 def test_workers_give_the_same_as_one_process():
@@ -77,7 +79,7 @@ def test_two_nodes_give_the_same_as_one_process(monkeypatch):
             assert answers(corpus) == answers(Corpus(clips()))
             spread, alone = search_gradient(corpus, N_JOINTS), search_gradient(Corpus(clips()), N_JOINTS)
             assert spread.value == alone.value
-            assert (spread.parameters.alpha == alone.parameters.alpha).all()
+            assert (spread.curve.metric.alpha == alone.curve.metric.alpha).all()
 
             def node(shelf):  # not by reference: the nodes do not know this module
                 return ray.get_runtime_context().get_node_id()
@@ -91,16 +93,16 @@ def test_two_nodes_give_the_same_as_one_process(monkeypatch):
 MEMORY = """
 import resource, sys
 import numpy as np
-from geomstats_anim import MetricParameters
 from geomstats_anim.learning.corpus import Corpus
 from geomstats_anim.learning.objective import Objective
+from geomstats_anim.parameters import CurveParameters
 from swings import swinging
 
 n_clips = int(sys.argv[1])
 clips = (Objective(swinging(i, 801, 3), np.arange(0, 801, 8)) for i in range(n_clips))
 corpus = Corpus(clips, in_memory=4)
 for i in range(3):
-    corpus.value_and_gradient(MetricParameters.identity(3))
+    corpus.value_and_gradient(CurveParameters.plain("geodesic", 3))
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """
 

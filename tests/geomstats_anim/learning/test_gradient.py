@@ -9,13 +9,14 @@ from geomstats_anim import Animation, MetricParameters, interpolate, uniform_key
 from geomstats_anim import rotations as quat
 from geomstats_anim.learning.gradient import BOUND, FAMILIES, INVARIANCE_CHOICES, left_jacobian, search_gradient
 from geomstats_anim.learning.objective import Objective
+from geomstats_anim.parameters import CurveParameters
 
 KINDS = ("loc", "rot", "hyb")
 KEYS = uniform_keyframes(41, 0.15)
 
 
 def slerp_value(objective):
-    return objective.value(MetricParameters.identity(objective.animation.n_joints))
+    return objective.value(CurveParameters.plain("geodesic", objective.animation.n_joints))
 
 
 def made_by(parameters, seed=0):
@@ -33,8 +34,8 @@ def optimum_of_rotation(animation, keys):
     for side in ("left", "right"):
         for point in grid:
             alpha, beta = np.exp(np.tile(point[:, None], n_joints))
-            parameters = MetricParameters(alpha, beta, None, side)
-            errors[side, tuple(point)] = whole.rotation_errors_by_joint(parameters)
+            curve = CurveParameters.geodesic(MetricParameters(alpha, beta, None, side))
+            errors[side, tuple(point)] = whole.rotation_errors_by_joint(curve)
     for joint in range(n_joints):
         alone = Objective(only_joint(animation, joint), keys, "rot")
         best = np.inf
@@ -42,7 +43,7 @@ def optimum_of_rotation(animation, keys):
             start = min((point for of_side, point in errors if of_side == side), key=lambda p: errors[side, p][joint])  # noqa: B023
 
             def value(point, side=side, alone=alone):
-                return alone.value(MetricParameters(*np.exp(point), None, side))
+                return alone.value(CurveParameters.geodesic(MetricParameters(*np.exp(point), None, side)))
 
             bounds = [(-BOUND, BOUND)] * 2
             best = min(best, minimize(value, start, method="Nelder-Mead", bounds=bounds, options={"fatol": 1e-9}).fun)
@@ -64,12 +65,12 @@ def test_it_finds_a_hidden_metric(seed, kind):
     objective = Objective(made_by(hidden, seed), KEYS, kind)
     found = search_gradient(objective, N_JOINTS)
     assert found.value < 0.02 * slerp_value(objective)
-    assert found.value == objective.value(found.parameters)
+    assert found.value == objective.value(found.curve)
 
 
 def test_it_finds_the_hidden_numbers():
     hidden = metric(3)
-    found = search_gradient(Objective(made_by(hidden, 3), KEYS, "rot"), N_JOINTS).parameters
+    found = search_gradient(Objective(made_by(hidden, 3), KEYS, "rot"), N_JOINTS).curve.metric
     assert found.invariance == hidden.invariance
     np.testing.assert_allclose(found.alpha, hidden.alpha, rtol=0.02)
     np.testing.assert_allclose(found.beta, hidden.beta, rtol=0.02)
@@ -117,7 +118,7 @@ def test_it_is_at_the_optimum_of_the_rotation_error(seed):
     ("family", "invariance"), [*(("diagonal", choice) for choice in INVARIANCE_CHOICES), ("spd", "right")]
 )
 def test_the_words_are_kept_to(family, invariance):
-    found = search_gradient(Objective(wandering(), KEYS), N_JOINTS, family, invariance).parameters
+    found = search_gradient(Objective(wandering(), KEYS), N_JOINTS, family, invariance).curve.metric
     if invariance in ("left", "right"):
         assert set(found.invariance) == {invariance}
     if invariance == "clip":
@@ -129,7 +130,7 @@ def test_the_words_are_kept_to(family, invariance):
 @pytest.mark.parametrize("family", FAMILIES)
 def test_bounds(family):
     """Noise drives the search to the ends of its range."""
-    found = search_gradient(Objective(noise(n_frames=31), uniform_keyframes(31, 0.5)), N_JOINTS, family).parameters
+    found = search_gradient(Objective(noise(n_frames=31), uniform_keyframes(31, 0.5)), N_JOINTS, family).curve.metric
     assert np.abs(np.log(found.moments)).max() <= BOUND + 1e-12
     condition = found.moments.max(axis=1) / found.moments.min(axis=1)
     assert condition.max() <= 100.0 + 1e-9
@@ -139,8 +140,8 @@ def test_bounds(family):
 def test_two_runs_are_equal_to_the_last_bit(family):
     one, other = (search_gradient(Objective(wandering(5), KEYS), N_JOINTS, family) for _ in range(2))
     assert (one.value, one.evaluations) == (other.value, other.evaluations)
-    np.testing.assert_array_equal(one.parameters.matrices, other.parameters.matrices)
-    assert one.parameters.invariance == other.parameters.invariance
+    np.testing.assert_array_equal(one.curve.metric.matrices, other.curve.metric.matrices)
+    assert one.curve.metric.invariance == other.curve.metric.invariance
 
 
 @pytest.mark.parametrize(
@@ -155,7 +156,7 @@ def test_nothing_to_gain_over_slerp(kind, family, invariance):
     # rounding, and another for each side
     assert max(found.value, slerp_value(objective)) < 1e-11
     if invariance in ("left", "right"):
-        assert set(found.parameters.invariance) == {invariance}
+        assert set(found.curve.metric.invariance) == {invariance}
 
 
 def test_joints_that_do_not_move_keep_the_rest_from_nothing():
@@ -165,7 +166,7 @@ def test_joints_that_do_not_move_keep_the_rest_from_nothing():
     clip = Animation(moving.skeleton, moving.times, rotations, moving.translations)
     objective = Objective(clip, KEYS)
     found = search_gradient(objective, N_JOINTS)
-    assert np.isfinite(found.parameters.matrices).all()
+    assert np.isfinite(found.curve.metric.matrices).all()
     assert found.value < slerp_value(objective)
 
 

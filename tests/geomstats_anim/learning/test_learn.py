@@ -103,7 +103,7 @@ def renamed(animation):
     [
         ({"search": "grid"}, "There is no search 'grid'; the choices are gradient, tpe, tpe-joint."),
         ({"purpose": "win"}, "There is no purpose 'win'; the choices are reconstruct, predict."),
-        ({"scheme": "slerp"}, "There is no scheme 'slerp'; the choices are geodesic."),
+        ({"scheme": "slerp"}, "There is no scheme 'slerp'; the choices are geodesic, geodesic-spline."),
         ({"family": "full"}, "There is no family 'full'; the families are diagonal, spd."),
         ({"invariance": "both"}, "There is no invariance 'both'; the choices are left, right, clip, joint."),
         ({"kind": "all"}, "There is no quality 'all'; the kinds are loc, rot, hyb."),

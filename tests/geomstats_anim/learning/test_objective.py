@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from wanderings import N_JOINTS, metric, wandering
 
-from geomstats_anim import MetricParameters, interpolate, quality, uniform_keyframes
+from geomstats_anim import LearnedMetric, MetricParameters, interpolate, quality, uniform_keyframes
 from geomstats_anim import rotations as quat
 from geomstats_anim.learning.objective import SMOOTHING, Objective
+from geomstats_anim.parameters import CurveParameters
 
 KINDS = ("loc", "rot", "hyb")
 SIDES = {"left": ("left",) * N_JOINTS, "right": ("right",) * N_JOINTS, "mixed": None}
@@ -17,15 +18,38 @@ def objective(kind="hyb", weights=None, location_weight=0.5):
     return Objective(wandering(), KEYS, kind, weights, location_weight)
 
 
-def moved(parameters, joint, direction, step):
-    """Move one joint's log alpha, log beta, or axes, the last by a turn from the left."""
+def curve(seed=0, full=False, sides=None):
+    """A metric and tensions, away from the kink at 1."""
+    tension, translation_tension = np.random.default_rng(seed).choice([0.0, 0.3, 0.8, 1.2, 1.9], (2, N_JOINTS))
+    return CurveParameters(metric(seed, full, sides), tension, translation_tension)
+
+
+def moved(start, joint, direction, step):
+    """Move one joint's log alpha, log beta, axes (by a turn from the left), tension or translation tension."""
+    parameters = start.metric
     log_moments, turns = np.log(parameters.moments[:, 1:]), np.zeros((N_JOINTS, 3))
+    tensions = np.stack([start.tension, start.translation_tension])
     if direction < 2:
         log_moments[joint, direction] += step
-    else:
+    elif direction < 5:
         turns[joint, direction - 2] = step
+    else:
+        tensions[direction - 5, joint] += step
     axes = quat.log(quat.multiply(quat.exp(turns), parameters.axes_quaternions))
-    return MetricParameters(*np.exp(log_moments).T, axes, parameters.invariance)
+    turned = MetricParameters(*np.exp(log_moments).T, axes, parameters.invariance)
+    return CurveParameters(turned, *tensions)
+
+
+def rebuilt_with(parameters, scheme="geodesic-spline"):
+    truth = wandering()
+    named = LearnedMetric(
+        truth.skeleton.joints,
+        parameters.metric,
+        parameters.tension,
+        scheme,
+        translation_tension=parameters.translation_tension,
+    )
+    return interpolate(truth.at_frames(KEYS), truth.times, scheme, named)
 
 
 @pytest.mark.parametrize("full", [False, True], ids=["diagonal", "spd"])
@@ -33,8 +57,8 @@ def moved(parameters, joint, direction, step):
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("weights", [None, "depth"])
 def test_the_value_is_the_quality_of_what_is_rebuilt(kind, sides, full, weights):
-    truth, parameters = wandering(), metric(1, full, SIDES[sides])
-    rebuilt = interpolate(truth.at_frames(KEYS), truth.times, "geodesic", parameters)
+    truth, parameters = wandering(), curve(1, full, SIDES[sides])
+    rebuilt = rebuilt_with(parameters)
     expected = quality(rebuilt, truth, kind, weights)
     value = objective(kind, weights).value(parameters)
     # rounding off takes at most SMOOTHING from each angle
@@ -47,11 +71,15 @@ def test_the_value_is_the_quality_of_what_is_rebuilt(kind, sides, full, weights)
 @pytest.mark.parametrize("sides", SIDES)
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_gradient_is_that_of_the_value(kind, sides, full):
-    parameters = metric(2, full, SIDES[sides])
+    parameters = curve(2, full, SIDES[sides])
+    # where a tension is 0 its derivative is one-sided
+    parameters = CurveParameters(
+        parameters.metric, *np.maximum([parameters.tension, parameters.translation_tension], 0.1)
+    )
     some = objective(kind, "depth", 0.3)
     value, gradient = some.value_and_gradient(parameters)
     assert value == pytest.approx(some.value(parameters), rel=1e-12)
-    expected, step = np.empty((N_JOINTS, 5)), 2e-4
+    expected, step = np.empty((N_JOINTS, 7)), 2e-4
     for joint, direction in np.ndindex(expected.shape):
         far, near = (
             some.value(moved(parameters, joint, direction, factor * step))
@@ -64,7 +92,7 @@ def test_the_gradient_is_that_of_the_value(kind, sides, full):
 
 def test_the_gradient_at_the_identity():
     some = objective("rot")
-    identity = MetricParameters.identity(N_JOINTS)
+    identity = CurveParameters.plain("geodesic", N_JOINTS)
     _, gradient = some.value_and_gradient(identity)
     step = 1e-4
     for joint, direction in np.ndindex(N_JOINTS, 2):
@@ -74,8 +102,8 @@ def test_the_gradient_at_the_identity():
 
 def test_a_perfect_metric_has_no_gradient():
     """An angle has no derivative at 0, the smoothed one has."""
-    truth, parameters = wandering(), metric(3)
-    made = interpolate(truth.at_frames(KEYS), truth.times, "geodesic", parameters)
+    parameters = curve(3)
+    made = rebuilt_with(parameters)
     for kind in KINDS:
         value, gradient = Objective(made, KEYS, kind).value_and_gradient(parameters)
         assert value < 1e-12
@@ -84,7 +112,7 @@ def test_a_perfect_metric_has_no_gradient():
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_segments_and_the_others_add_up_to_all(kind):
-    whole, parameters = objective(kind), metric(4)
+    whole, parameters = objective(kind), curve(4)
     block = np.array([1, 2])
     inside = (np.arange(41) >= KEYS[1]) & (np.arange(41) < KEYS[3])
     only, without = whole.only(block), whole.without(block)
@@ -105,21 +133,21 @@ def test_frames_that_do_not_count_already_stay_out():
 
 
 def test_only_scored_frames_count():
-    truth, parameters = wandering(), metric(5)
+    truth, parameters = wandering(), curve(5)
     scored = np.arange(41) % 3 == 0
-    rebuilt = interpolate(truth.at_frames(KEYS), truth.times, "geodesic", parameters)
+    rebuilt = rebuilt_with(parameters)
     expected = quality(rebuilt.at_frames(np.flatnonzero(scored)), truth.at_frames(np.flatnonzero(scored)), "loc")
     assert Objective(truth, KEYS, "loc", scored=scored).value(parameters) == pytest.approx(expected, rel=1e-12)
 
 
 def test_no_scored_frames():
-    value, gradient = Objective(wandering(), KEYS, scored=np.zeros(41, bool)).value_and_gradient(metric())
+    value, gradient = Objective(wandering(), KEYS, scored=np.zeros(41, bool)).value_and_gradient(curve())
     assert value == 0.0 and not gradient.any()
 
 
 def test_following_gives_what_searching_anew_gives():
     rng = np.random.default_rng(6)
-    followed, parameters = objective(), metric(6, full=True)
+    followed, parameters = objective(), curve(6, full=True)
     for _ in range(20):
         for direction in range(5):
             parameters = moved(parameters, rng.integers(N_JOINTS), direction, rng.normal(scale=0.2))
@@ -130,16 +158,16 @@ def test_following_gives_what_searching_anew_gives():
 
 
 def test_the_value_does_not_depend_on_what_came_before():
-    one, parameters = objective(), metric(7)
+    one, parameters = objective(), curve(7)
     before = one.value(parameters)
-    one.value_and_gradient(metric(8))
-    one.rotation_errors_by_joint(metric(9))
+    one.value_and_gradient(curve(8))
+    one.rotation_errors_by_joint(curve(9))
     assert one.value(parameters) == before
 
 
 @pytest.mark.parametrize("weights", [None, "depth"])
 def test_rotation_errors_add_up_and_keep_to_their_joint(weights):
-    some, parameters = objective("rot", weights), metric(10)
+    some, parameters = objective("rot", weights), curve(10)
     errors = some.rotation_errors_by_joint(parameters)
     assert errors.sum() == pytest.approx(some.value(parameters), rel=1e-9)
     for joint in range(N_JOINTS):
@@ -150,7 +178,7 @@ def test_rotation_errors_add_up_and_keep_to_their_joint(weights):
 
 
 def test_rotation_errors_are_the_same_for_every_kind():
-    errors = [objective(kind).rotation_errors_by_joint(metric(11)) for kind in KINDS]
+    errors = [objective(kind).rotation_errors_by_joint(curve(11)) for kind in KINDS]
     np.testing.assert_array_equal(errors[0], errors[1])
     np.testing.assert_array_equal(errors[0], errors[2])
 

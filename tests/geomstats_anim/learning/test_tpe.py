@@ -11,10 +11,11 @@ from geomstats_anim.learning.corpus import Corpus
 from geomstats_anim.learning.gradient import search_gradient
 from geomstats_anim.learning.objective import Objective
 from geomstats_anim.learning.tpe import Convergence, Space, TuneSettings, search_tpe, search_tpe_joint
+from geomstats_anim.parameters import CurveParameters
 
 
 def slerp_value(objective):
-    return objective.value(MetricParameters.identity(N_JOINTS))
+    return objective.value(CurveParameters.plain("geodesic", N_JOINTS))
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +27,9 @@ def ray_instance():
 @pytest.mark.parametrize("kind", ["loc", "rot", "hyb"])
 def test_parts_of_joints_add_up_to_the_quality(kind):
     objective = objective_of(kind=kind)
-    parameters = MetricParameters([2.0, 0.5, 3.0], [0.3, 1.0, 2.0], None, ("left", "right", "right"))
+    parameters = CurveParameters.geodesic(
+        MetricParameters([2.0, 0.5, 3.0], [0.3, 1.0, 2.0], None, ("left", "right", "right"))
+    )
     rotation, part = objective.errors_by_joint(parameters)
     assert part.sum() == pytest.approx(objective.value(parameters), rel=1e-12)
     assert rotation == pytest.approx(objective.rotation_errors_by_joint(parameters), rel=1e-6)
@@ -36,7 +39,7 @@ def test_parts_of_joints_add_up_to_the_quality(kind):
 def test_space_begins_at_the_identity(family, invariance):
     space = Space(range(2), family, invariance)
     assert set(space.expression()) == set(space.identity)
-    parameters = space.parameters(space.identity)
+    parameters = space.parameters(space.identity).metric
     assert (parameters.matrices == np.eye(3)).all()
     assert parameters.invariance == ("left", "left")
 
@@ -54,13 +57,13 @@ def test_joint_by_joint_comes_near_the_gradient(kind):
     settings = TuneSettings(trials=60)
     found = search_tpe(objective, N_JOINTS, seed=1, settings=settings)
     best = search_gradient(objective, N_JOINTS).value
-    assert found.value == objective.value(found.parameters)
+    assert found.value == objective.value(found.curve)
     assert found.value - best < 0.25 * (slerp_value(objective) - best)
 
 
 def test_joint_by_joint_repeats():
     one, other = (search_tpe(objective_of(), N_JOINTS, seed=1, settings=TuneSettings(trials=5)) for _ in range(2))
-    assert (one.parameters.alpha == other.parameters.alpha).all()
+    assert (one.curve.metric.alpha == other.curve.metric.alpha).all()
 
 
 @pytest.mark.parametrize(("family", "invariance"), [("spd", "joint"), ("diagonal", "clip"), ("diagonal", "right")])
@@ -68,12 +71,12 @@ def test_joint_by_joint_is_never_worse_than_slerp(family, invariance):
     objective = objective_of()
     seen = []
     found = search_tpe(
-        objective, N_JOINTS, family, invariance, 0, TuneSettings(trials=3), lambda *now: seen.append(now)
+        objective, N_JOINTS, family, invariance, "geodesic", 0, TuneSettings(trials=3), lambda *now: seen.append(now)
     )
     assert found.value <= slerp_value(objective)
     assert [count for count, _ in seen[:3]] == [1, 2, 3]
     if invariance != "joint":
-        assert len(set(found.parameters.invariance)) == 1
+        assert len(set(found.curve.metric.invariance)) == 1
 
 
 def test_a_still_animation_stops_early():
@@ -132,9 +135,9 @@ def test_all_joints_at_once(ray_instance, tmp_path, capfd):
     assert seen[0] == (1, pytest.approx(slerp_value(objective), rel=1e-12))
     assert seen[-1] == (12, found.value)
     assert found.evaluations == 12
-    assert found.value == pytest.approx(objective.value(found.parameters), rel=1e-12)
+    assert found.value == pytest.approx(objective.value(found.curve), rel=1e-12)
     again = search_tpe_joint(objective, N_JOINTS, seed=3, settings=TuneSettings(trials=12, cpus=1))
-    assert (again.parameters.alpha == found.parameters.alpha).all()
+    assert (again.curve.metric.alpha == found.curve.metric.alpha).all()
     assert again.value == found.value
     with pytest.raises(ValueError, match="resume it, or name another folder"):
         search_tpe_joint(objective, N_JOINTS, settings=settings)

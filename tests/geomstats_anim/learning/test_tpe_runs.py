@@ -26,7 +26,7 @@ from geomstats_anim.learning.tpe import TuneSettings, search_tpe_joint
 settings = TuneSettings(trials=int(sys.argv[2]), folder=sys.argv[1], resume=len(sys.argv) > 3)
 tell = lambda trials, quality: print(trials, flush=True)
 found = search_tpe_joint(objective_of(), N_JOINTS, seed=5, settings=settings, progress=tell)
-print(found.evaluations, repr(found.value), found.parameters.alpha.tolist())
+print(found.evaluations, repr(found.value), found.curve.metric.alpha.tolist())
 """
 
 
@@ -88,7 +88,7 @@ def test_other_tools_read_the_results(tmp_path, monkeypatch):
     analysis = ExperimentAnalysis(str(folder), default_metric="quality", default_mode="min")
     assert len(analysis.trials) == 4
     assert analysis.best_result["quality"] == found.value
-    assert analysis.best_config["log_alpha_0"] == pytest.approx(math.log(found.parameters.alpha[0]), abs=1e-12)
+    assert analysis.best_config["log_alpha_0"] == pytest.approx(math.log(found.curve.metric.alpha[0]), abs=1e-12)
     qualities = []
     for events in folder.glob("*/events.out.tfevents.*"):
         accumulator = EventAccumulator(str(events.parent)).Reload()
