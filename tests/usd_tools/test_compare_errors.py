@@ -100,10 +100,11 @@ def test_out_looks_like_ours_but_is_not(tmp_path, clip, refused):
 
 
 def test_out_holds_the_input(tmp_path, clip, refused):
-    (tmp_path / "usd").mkdir()
-    make_rig(tmp_path / "usd" / "in.usda", codes=range(20), rotations=random_rotations(20, 3))
-    sentence = refused(tmp_path / "usd" / "in.usda", "-o", tmp_path / "usd")
-    assert sentence == "--out usd holds the input usd/in.usda and would be replaced; choose another name."
+    (tmp_path / "out" / "usd").mkdir(parents=True)
+    (tmp_path / "out" / "results.json").write_text('{"tool": "usd_tools.compare"}')
+    make_rig(tmp_path / "out" / "usd" / "in.usda", codes=range(20), rotations=random_rotations(20, 3))
+    sentence = refused(tmp_path / "out" / "usd" / "in.usda", "-o", tmp_path / "out")
+    assert sentence == "--out out holds the input out/usd/in.usda and would be replaced; choose another name."
 
 
 def test_nothing_is_left_when_drawing_fails(tmp_path, clip, out, refused, monkeypatch):

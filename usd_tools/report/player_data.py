@@ -36,7 +36,7 @@ def player_data(scenes: Sequence[Scene], chosen: Scene) -> dict[str, Any]:
         rate, keys (places in frames), start (place of the frame to begin with), schemes: word, points, errors
         (centimetres). Points are `packed`.
     """
-    sizes = [6 * scene.points().size // 3 * (1 + len(scene.rebuilt)) for scene in scenes]
+    sizes = [2 * scene.points().size * (1 + len(scene.rebuilt)) for scene in scenes]
     stride = max(1, -(-sum(sizes) // BUDGET))
     by_clip: dict[str, list[Scene]] = {}
     for scene in scenes:
