@@ -93,8 +93,13 @@ def made_beside(folder: Path) -> Iterator[Path]:
             beside.chmod(0o777 & ~mask)  # a temporary folder is closed to others
             if folder.exists():
                 with tempfile.TemporaryDirectory(prefix=f".{folder.name}.", dir=folder.parent) as old:
-                    os.replace(folder, Path(old, folder.name))
-                    os.replace(beside, folder)
+                    aside = Path(old, folder.name)
+                    os.replace(folder, aside)
+                    try:
+                        os.replace(beside, folder)
+                    except OSError:
+                        os.replace(aside, folder)
+                        raise
             else:
                 os.replace(beside, folder)
     except OSError as error:
