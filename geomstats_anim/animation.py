@@ -15,6 +15,9 @@ _UNIT_TOLERANCE = 1e-2
 """How far from 1 a quaternion's norm may be before it is no longer taken for rounding."""
 
 
+_ROUNDING = 1e-15
+
+
 def _floats(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Array:
     """Copy to float64 and check the shape (None: any length) and that every number is finite."""
     array = np.array(value, dtype=np.float64, order="C")
@@ -34,7 +37,8 @@ def _unit_quaternions(name: str, value: ArrayLike, shape: tuple[int | None, ...]
     if len(bad):
         where = tuple(int(i) for i in bad[0])
         raise ValueError(f"{name} has a quaternion of norm {norm[where]:.6g} at index {where}; normalise it first.")
-    return array / norm[..., None]
+    # what is unit to rounding stays as it is, so that nothing changes when it passes through twice
+    return np.where(np.abs(norm - 1.0)[..., None] > _ROUNDING, array / norm[..., None], array)
 
 
 def increasing_times(value: ArrayLike) -> Array:

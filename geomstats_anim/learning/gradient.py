@@ -92,7 +92,7 @@ def search_gradient(
     progress : callable
         Called with the number of evaluations and the best value so far.
     rough : bool
-        Stop after a first descent, for fits that only tell how well fits predict.
+        Stop after a descent on each side, for fits that only tell how well fits predict.
         Optional, default: False.
 
     Returns
@@ -104,13 +104,11 @@ def search_gradient(
     sides = INVARIANCES if invariance in ("clip", "joint") else (invariance,)
     search = _Search(objective, n_joints, _free_columns(family, scheme), sides, invariance != "joint", progress)
     starts = {side: search.grid(side) for side in sides}
-    if invariance == "joint":
+    if invariance == "joint" and not rough:
         best = np.argmin([errors for _, errors in starts.values()], axis=0)
         mixed = tuple(sides[i] for i in best)
         points = np.stack([point for point, _ in starts.values()])
         search.descend(points[best, np.arange(n_joints)], mixed, _ROUGHLY)
-        if rough:
-            return search.found
         search.try_other_sides(dict(zip(sides, points, strict=True)))
     for side, (point, _) in starts.items():
         search.descend(point, (side,) * n_joints, _ROUGHLY)

@@ -22,7 +22,7 @@ FACTORS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 TENSIONS = (0.0, 0.5, 1.5, 2.0)
 """Tensions that compete with the usual one."""
 
-CONFIDENCE = 0.95
+CONFIDENCE = 0.975
 """Of a gain, one-sided."""
 
 _PERFECT = 1e-9
@@ -86,7 +86,7 @@ def shrink(
 ) -> Shrinkage:
     """Choose each joint's factor by cross-validation, for a spline after one tension for all joints.
 
-    A choice is made for the largest gain that is certain, at the lower end of its 90 % interval over the folds: so it
+    A choice is made for the largest gain that is certain, at the lower end of its 95 % interval over the folds: so it
     falls on the plain curve unless they agree. If the curves so shrunk do not beat the plain one in the quality itself,
     that is returned.
 

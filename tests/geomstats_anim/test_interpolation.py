@@ -6,6 +6,8 @@ import numpy as np
 import oracles
 import pytest
 import samples
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation, RotationSpline
 
 from geomstats_anim import SCHEMES, Animation, FallbackWarning, LearnedMetric, LogStatus, MetricParameters, interpolate
 from geomstats_anim import geodesics as geodesics_module
@@ -13,7 +15,7 @@ from geomstats_anim import rotations as quat
 
 pytestmark = pytest.mark.filterwarnings("error")
 
-MINE = ("constant", "linear", "slerp", "geodesic")
+MINE = tuple(SCHEMES)
 
 
 def clip(seed=0, n_frames=12, n_joints=7, step=40.0, scales=True):
@@ -133,6 +135,34 @@ def test_translations_and_scales_are_linear(scheme):
             for i in range(3):
                 expected = np.interp(times, keys.times, source[:, b, i])
                 np.testing.assert_allclose(values[:, b, i], expected, atol=1e-13)
+
+
+@pytest.mark.parametrize("scheme", ["squad", "rotation-spline"])
+@pytest.mark.parametrize("n_keys", [2, 3, 4, 12])
+def test_the_peers_carry_cubic_translations(scheme, n_keys):
+    keys = clip(n_frames=n_keys)
+    expected = CubicSpline(keys.times, keys.translations)(dense(keys))
+    np.testing.assert_allclose(interpolate(keys, dense(keys), scheme).translations, expected, atol=1e-13)
+
+
+@pytest.mark.parametrize("step", [20.0, 80.0])
+def test_squad_is_that_of_numpy_quaternion(step):
+    quaternion = pytest.importorskip("quaternion", reason="numpy-quaternion is not installed")
+    keys = clip(step=step)
+    found = interpolate(keys, dense(keys), "squad").rotations
+    for joint in range(keys.n_joints):
+        scalar_first = quaternion.as_quat_array(np.roll(keys.rotations[:, joint], 1, axis=-1))
+        expected = quaternion.as_float_array(quaternion.squad(scalar_first, keys.times, dense(keys)))
+        assert quat.distance(found[:, joint], np.roll(expected, -1, axis=-1)).max() < 1e-12
+
+
+@pytest.mark.parametrize("step", [20.0, 80.0, 160.0])
+def test_rotation_spline_is_that_of_scipy(step):
+    keys = clip(step=step)
+    found = interpolate(keys, dense(keys), "rotation-spline").rotations
+    for joint in range(keys.n_joints):
+        expected = RotationSpline(keys.times, Rotation.from_quat(keys.rotations[:, joint]))(dense(keys)).as_quat()
+        assert quat.distance(found[:, joint], expected).max() < 1e-12
 
 
 def test_constant_holds_every_key_until_the_next():
