@@ -299,13 +299,18 @@ def _scores(rebuilt: Sequence[Animation], reference: Sequence[Animation]) -> dic
         f"q_{kind}": float(np.average([quality(new, truth, kind) for new, truth in pairs], weights=frames))
         for kind in ("loc", "rot", "hyb")
     }
-    first = reference[0].rotations[:1]
-    moves = np.any([(quat.distance(truth.rotations, first) >= STILL).any(axis=0) for truth in reference], axis=0)
-    angles = np.concatenate([rotation_errors(new, truth) for new, truth in pairs])[:, moves]
+    turns = turning(reference)
+    angles = np.concatenate([rotation_errors(new, truth) for new, truth in pairs])[:, turns]
     distances = np.concatenate([location_errors(new, truth) for new, truth in pairs])
     return {
         **qualities,
-        "mean_rotation_deg": float(np.degrees(angles.mean())) if moves.any() else 0.0,
+        "mean_rotation_deg": float(np.degrees(angles.mean())) if turns.any() else 0.0,
         "mean_location_cm": float(100.0 * distances.mean()),
         "max_location_cm": float(100.0 * distances.max()),
     }
+
+
+def turning(stretches: Sequence[Animation]) -> np.ndarray:
+    """Which joints turn at all, shape=[B]."""
+    first = stretches[0].rotations[:1]
+    return np.any([(quat.distance(part.rotations, first) >= STILL).any(axis=0) for part in stretches], axis=0)

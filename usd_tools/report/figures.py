@@ -104,5 +104,6 @@ _OVERLAY = (
 _ERROR = "Error against time. Ticks are the frames kept; the dashed line is the frame above."
 _METRIC = (
     "What was learned, over the rest pose. Turns about a joint's y axis cost alpha, those about z cost beta, where x "
-    "costs 1; side is the invariance."
+    "costs 1; side is the invariance. Tension bends the curve: 0 the geodesic, 1 continuous velocity, 2 continuous "
+    "acceleration; large dots are the tension of translations."
 )

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomstats_anim import LearnedMetric
-from geomstats_anim import rotations as quat
-from geomstats_anim.learning.learn import STILL
 from geomstats_anim.parameters import MAX_TENSION
+from usd_tools.comparison import turning
 from usd_tools.report.looks import FAINT, INK, TRUTH, look, percent
 from usd_tools.report.poses import Scene, flattened
 
@@ -93,7 +92,7 @@ def draw_metrics(scene: Scene) -> Figure | None:
     metrics = {word: metric.for_joints(joints)[0] for word, metric in learned.items()}
     logs = [np.log2(values) for m in metrics.values() for values in (m.parameters.alpha, m.parameters.beta)]
     bound = max(1.0, float(np.max(np.abs(logs))))
-    bends = any(metric.tension.any() for metric in metrics.values())
+    bends = any(metric.tension.any() or metric.translation_tension.any() for metric in metrics.values())
     points = scene.rest_points
     flat = points @ flattened(points)
     low, high = _box([flat[scene.bones.drawn]])
@@ -102,15 +101,15 @@ def draw_metrics(scene: Scene) -> Figure | None:
     width = max(width, 1.9)
     figure = Figure(figsize=(width * n_columns + 0.4, (height + 0.1) * len(metrics) + 1.5), layout="constrained")
     axes = figure.subplots(len(metrics), n_columns, squeeze=False)
-    moves = np.any(
-        [(quat.distance(s.rotations, scene.stretches[0].rotations[:1]) >= STILL).any(axis=0) for s in scene.stretches],
-        axis=0,
-    )
+    turns, slides = turning(scene.stretches), _sliding(scene)
     for row, (word, metric) in zip(axes, metrics.items(), strict=True):
         for panel, values in zip(row, _values(metric, bound, bends), strict=True):
             _stage(panel, low, high)
-            colors = [color if moving else _STILL for color, moving in zip(values, moves, strict=True)]
+            colors = [color if moving else _STILL for color, moving in zip(values, turns, strict=True)]
             _coloured_bones(panel, scene, flat, colors)
+        if metric.translation_tension[slides].any():
+            x, y = flat[np.flatnonzero(slides)].T
+            row[3].scatter(x, y, c=_tension_colors(metric.translation_tension[slides]), s=110, edgecolors=INK, zorder=4)
         row[0].text(-0.02, 0.5, word, rotation=90, ha="right", va="center", weight="bold", color=look(word).color,
                     transform=row[0].transAxes, size=11)  # fmt: skip
     _legends(figure, axes, bound, bends)
@@ -131,9 +130,21 @@ def _values(metric: LearnedMetric, bound: float, bends: bool) -> list[list[Any]]
     ]
     panels.append([_RIGHT if side == "right" else _LEFT for side in parameters.invariance])
     if bends:
-        colors = list(colormaps["viridis_r"](metric.tension / MAX_TENSION))
-        panels.append(colors if metric.tension.any() else [_STILL] * len(colors))
+        panels.append(_tension_colors(metric.tension) if metric.tension.any() else [_STILL] * len(metric.joints))
     return panels
+
+
+def _tension_colors(tension: np.ndarray) -> list[Any]:
+    from matplotlib import colormaps
+
+    return list(colormaps["viridis_r"](tension / MAX_TENSION))
+
+
+def _sliding(scene: Scene) -> np.ndarray:
+    """Which joints move in their parents, shape=[B]; noise of the file's precision is no motion."""
+    places = np.concatenate([stretch.translations for stretch in scene.stretches])
+    size = np.abs(scene.compared.take.skeleton.bone_ends).max(initial=1e-3)
+    return (np.ptp(places, axis=0) > 1e-4 * size).any(axis=-1)
 
 
 def _legends(figure: Figure, axes: np.ndarray, bound: float, bends: bool) -> None:
@@ -175,7 +186,7 @@ def _box(points: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
 
 def _stage(axes: Axes, low: np.ndarray, high: np.ndarray) -> None:
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-    axes.set_aspect("equal")
+    axes.set_aspect("equal", anchor="N")
     axes.set_axis_off()
 
 
