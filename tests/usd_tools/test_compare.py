@@ -79,8 +79,9 @@ def pose(path, codes):
     for joint in range(len(rest)):
         children = rest[parents == joint]
         ends[joint] = children.mean(axis=0) if len(children) else rest[joint]
-        if lengths and not len(children):
-            ends[joint] *= lengths[joint] / np.linalg.norm(rest[joint])
+        own = np.linalg.norm(rest[joint])
+        if lengths and not len(children) and own > 0.0:
+            ends[joint] *= lengths[joint] / own
     world = np.array(UsdGeom.Imageable(prim).ComputeLocalToWorldTransform(Usd.TimeCode(codes[0])))
     scale = np.cbrt(np.linalg.det(world[:3, :3])) * UsdGeom.GetStageMetersPerUnit(stage)
     turns, places = [], []
