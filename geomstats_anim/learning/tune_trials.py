@@ -9,7 +9,9 @@ from __future__ import annotations
 import json
 import logging
 import os
+import signal
 import tempfile
+import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
@@ -40,6 +42,9 @@ _JOURNAL = "trials.jsonl"
 
 _followers: dict[Path, Callable[[int, float], None]] = {}
 """Who is told of the progress of the journals; Tune pickles its callbacks, and a resumed run has a new follower."""
+
+_interrupted = threading.Event()
+"""Set by Ctrl+C."""
 
 
 def run(
@@ -72,7 +77,7 @@ def run(
         journal.begin({"labels": list(space.identity), "seed": seed}, settings.resume)
         _followers[journal.path] = progress
         try:
-            with running(settings.address, settings.cpus) as workers, _quiet():
+            with running(settings.address, settings.cpus) as workers, _quiet(), _interruptible():
                 results = _tuner(objective, space, seed, settings, journal, workers).fit()
         finally:
             del _followers[journal.path]
@@ -197,6 +202,10 @@ class Journal:
             self.read()
 
 
+class _Interruption(Exception):
+    """Ctrl+C, as an error that Tune cleans up after; it does not after KeyboardInterrupt."""
+
+
 class _Recorder(tune.Callback, tune.Stopper):
     """Enters finished trials into the journal, and ends the search once it has converged."""
 
@@ -213,6 +222,10 @@ class _Recorder(tune.Callback, tune.Stopper):
         follower = _followers.get(self._journal.path)
         if follower:
             follower(len(self._journal.values), min(self._journal.values.values()))
+
+    def on_step_end(self, iteration: int, trials: list[Any], **info: Any) -> None:
+        if _interrupted.is_set():
+            raise _Interruption  # Tune closes all logs then, and its state stays that of a search to be resumed
 
     def on_trial_error(self, iteration: int, trials: list[Any], trial: Any, **info: Any) -> None:
         self._stop = True  # others would fail too
@@ -273,9 +286,32 @@ def _has_state(folder: Path) -> bool:
 
 
 @contextmanager
+def _interruptible() -> Iterator[None]:
+    """Let Ctrl+C end a search in an orderly way; pressed again, it interrupts at once."""
+    usual = signal.default_int_handler
+    if threading.current_thread() is not threading.main_thread() or signal.getsignal(signal.SIGINT) is not usual:
+        yield
+        return
+
+    def stop(number: int, frame: Any) -> None:
+        _interrupted.set()
+        signal.signal(signal.SIGINT, usual)
+
+    _interrupted.clear()
+    signal.signal(signal.SIGINT, stop)
+    try:
+        yield
+    except _Interruption:
+        raise KeyboardInterrupt from None
+    finally:
+        signal.signal(signal.SIGINT, usual)
+        _interrupted.clear()
+
+
+@contextmanager
 def _quiet() -> Iterator[None]:
     """Keep Tune from printing, since what we print ourselves says enough, and from taking Ctrl+C for the end."""
-    # Tune would hand over what it has as if that were all, and never give the signal back.
+    # Tune would hand over what it has as if that were all, and never give the signal back: see `_interruptible`.
     wanted = {"RAY_AIR_NEW_OUTPUT": "0", "TUNE_DISABLE_SIGINT_HANDLER": "1"}
     before, logger = {name: os.environ.get(name) for name in wanted}, logging.getLogger("ray")
     os.environ.update(wanted)

@@ -19,10 +19,11 @@ pytestmark = pytest.mark.slow
 HERE = Path(__file__).parent
 
 RUN = """
-import sys
+import signal, sys
 from swings import N_JOINTS, objective_of
 from geomstats_anim.learning.tpe import TuneSettings, search_tpe_joint
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have started us with Ctrl+C ignored
 settings = TuneSettings(trials=int(sys.argv[2]), folder=sys.argv[1], resume=len(sys.argv) > 3)
 tell = lambda trials, quality: print(trials, flush=True)
 found = search_tpe_joint(objective_of(), N_JOINTS, seed=5, settings=settings, progress=tell)
@@ -66,14 +67,18 @@ def test_a_killed_run_goes_on(tmp_path, seconds):
 
 
 def test_an_interrupted_run_is_not_taken_for_a_finished_one(tmp_path):
-    run = start(tmp_path, 3000)
+    run = start(tmp_path, 100)
     while int(run.stdout.readline()) < 5:
         pass
     run.send_signal(signal.SIGINT)
     rest, errors = run.communicate()
     assert errors.endswith("KeyboardInterrupt\n")
     assert all(line.isdigit() for line in rest.splitlines())  # progress, and no result
-    assert len(journal(tmp_path)) < 100
+    before = journal(tmp_path)
+    resumed, errors = start(tmp_path, 100, "resume").communicate()
+    assert errors == ""
+    assert int(resumed.splitlines()[0]) == len(before) + 1
+    assert len(journal(tmp_path)) == 100
 
 
 def test_other_tools_read_the_results(tmp_path, monkeypatch):
