@@ -83,6 +83,15 @@ class Channel:
         starts, stops = np.flatnonzero(edges == -1), np.flatnonzero(edges == 1)
         return [slice(int(a), int(b)) for a, b in zip(starts, stops, strict=True) if b - a > 1]
 
+    def stretches(self, codes_per_second: float) -> list[slice]:
+        """Spans, cut where two samples are a step: a curve must not take the jump for motion."""
+        stretches = []
+        for span in self.spans:
+            cuts = span.start + 1 + np.flatnonzero(step_pairs(self.codes[span], codes_per_second))
+            edges = [span.start, *cuts.tolist(), span.stop]
+            stretches += [slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True) if b - a > 1]
+        return stretches
+
     @property
     def is_animated(self) -> bool:
         """Whether there is anything to interpolate."""

@@ -132,9 +132,9 @@ def resample(
     animated = {name: channel for name, channel in clip.channels.items() if channel.is_animated}
     filled = {name: _held(channel, codes) for name, channel in animated.items()}
     fallbacks: list[Fallback] = []
-    n_spans = sum(len(channel.spans) for channel in animated.values())
+    n_spans = sum(len(channel.stretches(clip.codes_per_second)) for channel in animated.values())
     for names in _sampled_together(animated):
-        for span in animated[names[0]].spans:
+        for span in animated[names[0]].stretches(clip.codes_per_second):
             if names == ("blendShapeWeights",):
                 _fill_linearly(animated[names[0]], span, filled[names[0]])
                 advance(1.0 / n_spans)

@@ -39,7 +39,7 @@ def integrate(initial, velocity, side):
 def test_in_betweens_solve_the_geodesic_equation(tmp_path, run, name, side):
     out = tmp_path / "out.usdc"
     style = ["--alpha", MOMENTS[1], "--beta", MOMENTS[2], "--invariance", side]
-    code, _, err = run("upsample", DATA / name, "-o", out, "--factor", FACTOR, *style)
+    code, _, err = run("upsample", DATA / name, "-o", out, "--factor", FACTOR, "--scheme", "geodesic", *style)
     assert (code, err) == (0, "")  # no segment fell back
 
     stage = Usd.Stage.Open(str(DATA / name))

@@ -72,7 +72,9 @@ def test_stored_metric_is_told(tmp_path, run, inspected):
     make_rig(tmp_path / "in.usda")
     run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2, "--alpha", 4)
     (animation,) = inspected(tmp_path / "out.usda")["animations"]
-    assert animation["metric"]["summary"] == "geodesic, 3 joints (3 left, 0 right), diagonal, alpha 4, beta 1"
+    assert animation["metric"]["summary"] == (
+        "geodesic-spline, 3 joints (3 left, 0 right), diagonal, alpha 4, beta 1, tension 1"
+    )
     assert animation["metric"]["provenance"] == {"styles": ["*:alpha=4"]}
 
 

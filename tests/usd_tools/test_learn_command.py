@@ -247,8 +247,22 @@ def test_upsample_says_when_there_is_nothing_to_learn(tmp_path, run):
     assert code == 0
     assert err == (
         f"warning: {tmp_path}/in.usda: {ANIMATION} has 3 samples, too few to learn from; 4 are needed; "
-        "slerp's metric is used.\n"
+        "the identity is used.\n"
     )
+
+
+def test_tensions_are_learned_stored_and_used(tmp_path, clip, learned, run):
+    out, _, report = learned(clip, "-o", tmp_path / "out.usda", "--scheme", "geodesic-spline", "--rate", 0.4)
+    assert "plain spline" in out
+    metric = stored_metric(tmp_path / "out.usda")
+    assert metric.scheme == "geodesic-spline"
+    (told,) = report["metrics"]
+    assert [joint["tension"] for joint in told["joints"]] == metric.tension.tolist()
+    assert [joint["translation_tension"] for joint in told["joints"]] == metric.translation_tension.tolist()
+    assert told["scores"][0]["score"] <= min(told["scores"][0]["slerp_score"], told["scores"][0]["plain_score"])
+    code, out, _ = run("upsample", tmp_path / "out.usda", "-o", tmp_path / "up.usda", "--factor", 2)
+    assert code == 0 and "geodesic-spline, stored metric" in out
+    np.testing.assert_array_equal(stored_metric(tmp_path / "up.usda").tension, metric.tension)
 
 
 def test_inspect_tells_what_the_metric_means(tmp_path, clip, learned, run, inspected):

@@ -207,4 +207,6 @@ def test_upsample_learns_for_its_scheme_only(tmp_path, clip, refuse):
     sentence = refuse(
         "upsample", clip, "-o", tmp_path / "o.usda", "--factor", 2, "--metric", "learn", "--scheme", "linear"
     )
-    assert sentence == "--metric learn learns for --scheme geodesic, not for linear; choose one of them."
+    assert (
+        sentence == "--metric learn learns for --scheme geodesic, geodesic-spline, not for linear; choose one of them."
+    )

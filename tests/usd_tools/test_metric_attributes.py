@@ -35,7 +35,9 @@ def some_metric(axes=False, joints=JOINTS):
         rng.normal(size=(n, 3)) if axes else None,
         tuple(rng.choice(["left", "right"], n)),
     )
-    return LearnedMetric(tuple(joints), parameters, rng.uniform(size=n), "slerp", "hyb", PROVENANCE)
+    return LearnedMetric(
+        tuple(joints), parameters, rng.uniform(size=n), "slerp", "hyb", PROVENANCE, rng.uniform(size=n)
+    )
 
 
 @pytest.mark.parametrize("axes", [False, True])
@@ -51,6 +53,14 @@ def test_round_trip(tmp_path, axes, extension):
     assert again.to_json() == metric.to_json()
     assert stage.GetPrimAtPath(ANIMATION).HasAttribute("geodesicMetric:axes") == axes
     assert stage.GetPrimAtPath(ANIMATION).GetCustomDataByKey("geodesicMetric")["source"] == "walk.usda"
+
+
+def test_a_metric_without_translation_tension_gets_the_usual(tmp_path):
+    stage = make_rig(tmp_path / "in.usda")
+    layer = stage.GetRootLayer()
+    write_metric(Sdf.CreatePrimInLayer(layer, ANIMATION), replace(some_metric(), scheme="geodesic-spline"))
+    stage.GetPrimAtPath(ANIMATION).RemoveProperty("geodesicMetric:translationTension")
+    assert (read_metric(stage.GetPrimAtPath(ANIMATION)).translation_tension == 1.0).all()
 
 
 def test_no_metric(tmp_path):

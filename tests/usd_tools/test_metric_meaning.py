@@ -52,8 +52,8 @@ def test_what_matters_comes_first_and_the_rest_is_counted():
 
 
 def test_worth():
-    unseen = {"what": ["second half"], "scores": [2.0], "slerp_scores": [1.0]}
-    assert worth({"score": 1.0, "slerp_score": 2.0, "out_of_sample": unseen}) == [
+    unseen = {"what": ["second half"], "scores": [2.0], "slerp_scores": [1.0], "plain_scores": [1.5]}
+    assert worth({"score": 1.0, "slerp_score": 2.0, "plain_score": 2.0, "out_of_sample": unseen}) == [
         "In-sample: +50.0 %, beats slerp.",
         "Out-of-sample, second half: -100.0 %, loses to slerp.",
     ]

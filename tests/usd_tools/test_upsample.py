@@ -10,13 +10,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pxr import Sdf, Usd, UsdGeom, UsdSkel
-from rigs import ANIMATION, JOINTS, SKELETON, bits, make_rig, random_rotations, read, set_samples
+from rigs import ANIMATION, JOINTS, SKELETON, bits, make_rig, random_rotations, read, set_samples, stored_metric
 
-from geomstats_anim import SCHEMES, LogStatus
+from geomstats_anim import SCHEMES, LogStatus, interpolate
 from geomstats_anim import rotations as quat
-from geomstats_anim.interpolation import Fallback, Slerp
+from geomstats_anim.curves import Fallback, Slerp
 from usd_tools.files import relative_asset_path
 from usd_tools.progress import Progress
+from usd_tools.skel_reader import find_animations, read_clip
 
 
 @pytest.mark.parametrize("scheme", list(SCHEMES))
@@ -117,6 +118,53 @@ def test_stepped_pairs_are_not_subdivided(tmp_path, run):
     assert bits(values[3:6]) == bits([poses[1]] * 3)
     run("upsample", tmp_path / "in.usda", "-o", tmp_path / "fps.usda", "--fps", 48)
     assert read(tmp_path / "fps.usda")[0] == pytest.approx(new_codes, abs=1e-8)
+
+
+def test_a_spline_does_not_take_steps_for_motion(tmp_path, run):
+    step = Usd.TimeCode.SafeStep()
+    poses = random_rotations(6, 3)
+    make_rig(tmp_path / "in.usda", codes=[0, 1, 2 - step, 2, 3, 4], rotations=poses, translations=None)
+    run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 4)
+    whole = np.array(read(tmp_path / "out.usda")[1])
+    for name, codes, part in (("before", [0, 1, 2 - step], poses[:3]), ("after", [2, 3, 4], poses[3:])):
+        make_rig(tmp_path / f"{name}.usda", codes=codes, rotations=part, translations=None)
+        run("upsample", tmp_path / f"{name}.usda", "-o", tmp_path / f"{name}_out.usda", "--factor", 4)
+    parts = [np.array(read(tmp_path / f"{name}_out.usda")[1]) for name in ("before", "after")]
+    np.testing.assert_array_equal(whole, np.concatenate(parts))
+
+
+def test_without_a_metric_it_is_the_plain_spline(tmp_path, run):
+    make_rig(tmp_path / "in.usda", codes=range(8), rotations=random_rotations(8, 3))
+    code, out, _ = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 4)
+    assert code == 0 and "geodesic-spline, identity metric" in out
+    metric = stored_metric(tmp_path / "out.usda")
+    assert metric.scheme == "geodesic-spline"
+    assert (metric.parameters.moments == 1.0).all()
+    assert (metric.tension == 1.0).all() and (metric.translation_tension == 1.0).all()
+    keys = read_clip(find_animations(Usd.Stage.Open(str(tmp_path / "in.usda")))[0]).keys(("rotations",), slice(None))
+    dense = interpolate(keys, np.arange(29) / 4.0 / 24.0, "geodesic-spline").rotations
+    found = np.array(read(tmp_path / "out.usda")[1], dtype=np.float64)
+    assert quat.distance(quat.normalize(found), dense).max() < 1e-6
+
+
+def test_another_scheme_does_not_take_over_the_tension(tmp_path, run):
+    make_rig(tmp_path / "in.usda")
+    run(
+        "upsample",
+        tmp_path / "in.usda",
+        "-o",
+        tmp_path / "one.usda",
+        "--factor",
+        2,
+        "--scheme",
+        "geodesic",
+        "--alpha",
+        3,
+    )
+    run("upsample", tmp_path / "one.usda", "-o", tmp_path / "two.usda", "--factor", 2, "--scheme", "geodesic-spline")
+    one, two = stored_metric(tmp_path / "one.usda"), stored_metric(tmp_path / "two.usda")
+    assert (one.tension == 0.0).all() and (two.tension == 1.0).all()
+    assert (two.parameters.alpha == one.parameters.alpha).all()
 
 
 def test_value_blocks_stay_where_they_are(tmp_path, run):
@@ -332,7 +380,8 @@ def test_fallbacks_are_named(tmp_path, run, monkeypatch):
     monkeypatch.setitem(SCHEMES, "geodesic", Unlucky)
     make_rig(tmp_path / "in.usda", codes=(10, 11, 12, 13))
     report = tmp_path / "report.json"
-    code, _, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "o.usda", "--factor", 2, "--report", report)
+    arguments = ("--factor", 2, "--scheme", "geodesic", "--report", report)
+    code, _, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "o.usda", *arguments)
     assert code == 0
     assert err == (
         f"warning: {ANIMATION}: joint {JOINTS[2]} is slerped from time code 10 to 11, 12 to 13: "
