@@ -1,6 +1,6 @@
 """The papers' experiment on the real clips, each claim beside its bar.
 
-    python benchmarks/bench_compare.py [--cpus N] [--keep FOLDER] [--markdown]
+    python benchmarks/bench_compare.py [--quick] [--cpus N] [--keep FOLDER] [--markdown]
 
 Clips are taken from ../shared/data/clips. A line that ends in MISSED fails a bar, and then the exit code is 1.
 """
@@ -98,7 +98,9 @@ def in_sample(q: Quality, cells: Sequence[Cell]) -> list[Line]:
     best = [cell for cell, ratio in ratios.items() if ratio <= 1.0]
     others = [cell for cell in cells if cell not in best]
     where = f"; not: {named(others)}" if others else ""
-    lines.append(Line(f"{OURS} best of seven", "24 of 25", f"{len(best)} of {len(cells)}{where}", len(best) >= 24))
+    enough = len(cells) - 1
+    figure = f"{len(best)} of {len(cells)}{where}"
+    lines.append(Line(f"{OURS} best of seven", f"{enough} of {len(cells)}", figure, len(best) >= enough))
     worst = max(ratios.values(), default=np.inf)
     bar, met = "at most 1 %", worst <= 1.01 and len(ratios) == len(cells)
     lines.append(Line(f"{OURS} above the best, at worst", bar, f"{100.0 * (worst - 1.0):.2f} %", met))
@@ -113,6 +115,8 @@ def against_peers(q: Quality, cells: Sequence[Cell], word: str) -> dict[Cell, fl
 def out_of_sample(q: Quality, cells: Sequence[Cell]) -> list[Line]:
     """Lines of what is learned to predict."""
     ratios = against_peers(q, cells, OURS)
+    if not ratios:
+        return [Line(f"unseen: {OURS}", "", "failed in every cell", False)]
     complete = len(ratios) == len(cells)
     mean, worst = float(np.mean(list(ratios.values()))), max(ratios, key=lambda cell: ratios[cell])
     what = f"unseen: {OURS} against the best of {', '.join(PEERS)}"
@@ -171,11 +175,13 @@ def beside_peers(q: Quality, clips: Sequence[str], cells: Sequence[Cell]) -> lis
 def main(argv: list[str] | None = None) -> int:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="only punching and sitting")
     parser.add_argument("--cpus", metavar="N", default=str(min(2, os.cpu_count() or 1)), help="default: %(default)s")
     parser.add_argument("--keep", metavar="FOLDER", type=Path, help="keep the comparison here")
     parser.add_argument("--markdown", action="store_true", help="tables as the README has them")
     arguments = parser.parse_args(argv)
-    paths = [path for name in NAMES if (path := CLIPS / f"{name}.usda").is_file()]
+    names = NAMES[2::2] if arguments.quick else NAMES
+    paths = [path for name in names if (path := CLIPS / f"{name}.usda").is_file()]
     if not paths:
         print(f"Nothing to measure: there are no clips in {CLIPS}.")
         return 0
