@@ -6,6 +6,7 @@ import logging
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 
 import numba.core.event
 
@@ -52,8 +53,13 @@ def in_threads(run: Callable[[slice], None], n_problems: int) -> None:
     )
     bounds = [n_problems * i // n_parts for i in range(n_parts + 1)]
     parts = [slice(start, stop) for start, stop in zip(bounds[:-1], bounds[1:], strict=True)]
-    if n_parts == 1:
-        run(parts[0])
-        return
-    with ThreadPoolExecutor(n_parts) as pool:
-        list(pool.map(run, parts))
+    others = [_pool(os.getpid()).submit(run, part) for part in parts[1:]]
+    run(parts[0])
+    for other in others:
+        other.result()
+
+
+@cache
+def _pool(process: int) -> ThreadPoolExecutor:
+    """Keep threads, which take as long to start as a small batch; they do not survive a fork."""
+    return ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="geomstats_anim")

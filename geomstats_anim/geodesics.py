@@ -101,8 +101,8 @@ class EndVelocities:
         self._inverse, self._momentum, self._turn = inverse_moments, momentum, turn
         self._end_momentum = quat.rotate(quat.conjugate(turn), momentum)
         self.start, self.end = inverse_moments * momentum, inverse_moments * self._end_momentum
-        self.start_acceleration = inverse_moments * np.cross(momentum, self.start)
-        self.end_acceleration = inverse_moments * np.cross(self._end_momentum, self.end)
+        self.start_acceleration = inverse_moments * quat.cross(momentum, self.start)
+        self.end_acceleration = inverse_moments * quat.cross(self._end_momentum, self.end)
 
     def pull_back(self, start: Array, end: Array, start_acceleration: Array, end_acceleration: Array) -> Array:
         """Pull a derivative by the attributes back: see `partial` of `PoseGeodesics.pull_back_turns`."""
@@ -110,7 +110,7 @@ class EndVelocities:
         by_end, by_moments_at_end = self._by_body_momentum(self._end_momentum, self.end, end, end_acceleration)
         by_end_in_space = quat.rotate(self._turn, by_end)
         # a turn of the axes turns the target, so that the end momentum changes at fixed m
-        by_axes = np.cross(self._end_momentum, by_end) - np.cross(self._momentum, by_end_in_space)
+        by_axes = quat.cross(self._end_momentum, by_end) - quat.cross(self._momentum, by_end_in_space)
         by_moments = by_moments + by_moments_at_end
         return np.concatenate([by_momentum + by_end_in_space, by_moments[..., 1:], by_axes], axis=-1)
 
@@ -120,9 +120,9 @@ class EndVelocities:
         """Derive by the body momentum, and by the logarithms of the moments at fixed momentum."""
         scaled = self._inverse * by_acceleration
         # (M x w) . n = M . (w x n) = w . (n x M)
-        by_velocity = by_velocity + np.cross(scaled, momentum)
-        by_momentum = np.cross(velocity, scaled) + self._inverse * by_velocity
-        return by_momentum, -(velocity * by_velocity + np.cross(momentum, velocity) * scaled)
+        by_velocity = by_velocity + quat.cross(scaled, momentum)
+        by_momentum = quat.cross(velocity, scaled) + self._inverse * by_velocity
+        return by_momentum, -(velocity * by_velocity + quat.cross(momentum, velocity) * scaled)
 
 
 class PoseGeodesics:

@@ -49,11 +49,17 @@ def normalize(quaternion: Array) -> Array:
     return quaternion / np.linalg.norm(quaternion, axis=-1, keepdims=True)
 
 
+def cross(left: Array, right: Array) -> Array:
+    """Multiply vectors, shape=[..., 3], several times as fast as `numpy.cross` does on few of them."""
+    (ax, ay, az), (bx, by, bz) = np.moveaxis(left, -1, 0), np.moveaxis(right, -1, 0)
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
+
+
 def rotate(quaternion: Array, vector: Array) -> Array:
     """Rotate vectors, shape=[..., 3], by unit quaternions, shape=[..., 4]."""
     axis, scalar = quaternion[..., :3], quaternion[..., 3:]
-    twice = 2.0 * np.cross(axis, vector)
-    return vector + scalar * twice + np.cross(axis, twice)
+    twice = 2.0 * cross(axis, vector)
+    return vector + scalar * twice + cross(axis, twice)
 
 
 def exp(rotation_vector: Array) -> Array:

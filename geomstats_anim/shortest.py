@@ -24,6 +24,8 @@ _SEARCH_PART = 256
 
 _CERTAIN = 1.0 + 1e-12
 _SHORTER = 1.0 - 1e-9
+_NO_LONGER = 1.0 + 1e-6
+"""Slack for the miss of the end point, of short turns above all, where the turn about one axis is the geodesic."""
 
 
 class Shots(NamedTuple):
@@ -115,7 +117,7 @@ def shortest_momenta(moments: Array, vector: Array, start: Array | None = None, 
     # copies: the kernels would be compiled once more for arrays that are read-only or of another type
     moments, vector = (np.array(values, dtype=np.float64, order="C") for values in (moments, vector))
     best = _shoot(moments, vector, start)
-    too_long = ~(best.energy <= _CERTAIN * _bi_invariant_energy(moments, vector))
+    too_long = ~(best.energy <= _NO_LONGER * _bi_invariant_energy(moments, vector))
     index = _doubtful(best, moments) if effort == "thorough" else np.flatnonzero(too_long)
     for begin in range(0, len(index), _SEARCH_PART):
         part = index[begin : begin + _SEARCH_PART]

@@ -24,6 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from geomstats_anim import rotations as quat
 from geomstats_anim.rotations import Array
 from geomstats_anim.vectors import compiled
 
@@ -124,7 +125,7 @@ class KeyVelocities:
         _add_right_side(self._local, by_row, start, end)
         by_row = _solve(self._smooth.transposed, -self._turn, self._smoothness * by_velocity)
         _add_right_side(self._smooth, by_row, start, end)
-        by_turn = np.cross(self._smooth_velocity, by_row)[1:-1] * self._inner
+        by_turn = quat.cross(self._smooth_velocity, by_row)[1:-1] * self._inner
         start[1:] += by_turn
         end[:-1] -= by_turn
         accelerations = np.zeros_like(start), np.zeros_like(end)

@@ -24,9 +24,9 @@ BOUND = np.log(10.0)
 """Largest |log alpha| and |log beta|: a condition number of at most 100."""
 
 _GRID = np.linspace(-2.0, 2.0, 5)
-_ROUGHLY = {"maxiter": 60, "ftol": 1e-6}
-_EXACTLY = {"maxiter": 200, "ftol": 1e-8}
-"""When L-BFGS-B stops: starts are followed roughly, the best of them exactly; ftol is in shares of slerp's value."""
+_ROUGHLY = {"maxiter": 12, "ftol": 1e-4}
+_EXACTLY = {"maxiter": 100, "ftol": 1e-7}
+"""When L-BFGS-B stops: starts are followed roughly, the best of them exactly; ftol is in shares of the start's value."""
 
 _HELPS = 1.0 - 1e-6
 """A point counts as better if it leaves at most this share of an error."""
@@ -45,6 +45,10 @@ class Learnable(Protocol):
 
     def value(self, curve: CurveParameters) -> float:
         """Return the quality; 0 is perfect."""
+        ...
+
+    def errors_by_joint(self, curve: CurveParameters) -> Array:
+        """Return the rotation error of each joint, and its part of the quality, shape=[2, B]."""
         ...
 
     def value_and_gradient(self, curve: CurveParameters) -> tuple[float, Array]:
@@ -183,21 +187,25 @@ class _Search:
 
     def offer(self, point: Array, sides: tuple[str, ...]) -> bool:
         """Keep a point if it is better than the best so far."""
+        return self._offer(point, sides)[0]
+
+    def _offer(self, point: Array, sides: tuple[str, ...]) -> tuple[bool, Array]:
+        """Offer a point, and tell its rotation errors too."""
         self.evaluations += 1
-        value = self.objective.value(self.curve(point, sides))
+        errors, parts = self.objective.errors_by_joint(self.curve(point, sides))
+        value = float(parts.sum())
         better = value < self.best_value
         if better:
             self.best_value, self.best_point, self.best_sides = value, point.copy(), sides
-            self.best_errors = self._rotation_errors(point, sides)
+            self.best_errors = errors
         self._progress(self.evaluations, self.best_value)
-        return better
+        return better, errors
 
     def offer_by_joint(self, point: Array, sides: tuple[str, ...]) -> None:
         """Offer a point, and then the best of it and the best so far, joint by joint."""
-        self.offer(point, sides)
+        _, errors = self._offer(point, sides)
         if self._one_side and sides != self.best_sides:
             return
-        errors = self._rotation_errors(point, sides)
         better = errors < self.best_errors
         mixed_sides = (mine if ok else other for ok, mine, other in zip(better, sides, self.best_sides, strict=True))
         self.offer(np.where(better[:, None], point, self.best_point), tuple(mixed_sides))
@@ -211,7 +219,7 @@ class _Search:
         points = np.tile(self._base, (len(moments), 1, 1))
         points[..., _MOMENTS] = moments[:, None]
         sides = (side,) * self.n_joints
-        errors = [self._rotation_errors(point, sides, "quick") for point in points]
+        errors = [self._rotation_errors(point, sides) for point in points]
         best, least = np.argmin(errors, axis=0), np.min(errors, axis=0)
         helps = least < _HELPS * self._base_errors
         point = np.where(helps[:, None], points[best, np.arange(self.n_joints)], self._base)
@@ -268,23 +276,23 @@ class _Search:
             [random.uniform(_GRID[0], _GRID[-1], (_TILTED, 2)), random.normal(0.0, 1.5, (_TILTED, 3))], axis=1
         )
         self.descend(diagonal, diagonal_sides, _ROUGHLY)
-        errors = self._rotation_errors(diagonal, diagonal_sides)
+        _, errors = self._offer(diagonal, diagonal_sides)
         point, chosen = diagonal.copy(), list(diagonal_sides)
         for number, trial in enumerate(trials):
             side = self._sides[number % len(self._sides)]
             trial_sides = diagonal_sides if self._one_side else (side,) * self.n_joints
             trial_point = diagonal.copy()
             trial_point[:, [*_MOMENTS, *_AXES]] = trial
-            trial_errors = self._rotation_errors(trial_point, trial_sides, "quick")
+            trial_errors = self._rotation_errors(trial_point, trial_sides)
             better = np.flatnonzero(trial_errors < _HELPS * errors)
             point[better], errors[better] = trial_point[better], trial_errors[better]
             for joint in better:
                 chosen[joint] = trial_sides[joint]
         self.descend(point, tuple(chosen), _ROUGHLY)
 
-    def _rotation_errors(self, point: Array, sides: tuple[str, ...], effort: Effort = "thorough") -> Array:
+    def _rotation_errors(self, point: Array, sides: tuple[str, ...]) -> Array:
         self.evaluations += 1
-        errors = self.objective.rotation_errors_by_joint(self.curve(point, sides), effort)
+        errors = self.objective.rotation_errors_by_joint(self.curve(point, sides), "quick")
         self._progress(self.evaluations, self.best_value)
         return errors
 
