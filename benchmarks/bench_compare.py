@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from bench_usd import make_clip
+from pxr import Sdf
 from rich.console import Console
 from rich.table import Table
 
@@ -54,6 +54,20 @@ class Line(NamedTuple):
     def verdict(self) -> str:
         """Word for the last column."""
         return "ok" if self.met else "MISSED"
+
+
+def make_long(path: Path, source: Path, n_frames: int) -> None:
+    """Write a clip of a number of samples that plays another forwards and backwards."""
+    layer = Sdf.Layer.OpenAsAnonymous(str(source))
+    attributes: list[Sdf.Path] = []
+    layer.Traverse(Sdf.Path.absoluteRootPath, lambda at: attributes.append(at) if at.IsPropertyPath() else None)
+    for attribute in attributes:
+        codes = layer.ListTimeSamplesForPath(attribute)
+        values = [layer.QueryTimeSample(attribute, code) for code in codes]
+        there_and_back = values + values[-2:0:-1]
+        for n in range(n_frames if len(codes) > 1 else 0):
+            layer.SetTimeSample(attribute, codes[0] + n, there_and_back[n % len(there_and_back)])
+    layer.Export(str(path))
 
 
 def timed(clips: Sequence[Path], out: Path, options: Sequence[str]) -> float:
@@ -188,10 +202,12 @@ def main(argv: list[str] | None = None) -> int:
     console = Console(width=max(Console().width, 120))
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        make_clip(folder / "swings.usdc", 300, 31)
         workers = ["--cpus", arguments.cpus]
-        timed([folder / "swings.usdc"], folder / "warm", ["--rates", ".02"])  # compiles, if need be
-        one = timed([folder / "swings.usdc"], folder / "one", workers)
+        timed(paths[:1], folder / "warm", ["--rates", ".03"])  # compiles, if need be
+        one = None
+        if (CLIPS / "pitching.usda").is_file() and not arguments.quick:
+            make_long(folder / "long.usdc", CLIPS / "pitching.usda", 300)
+            one = timed([folder / "long.usdc"], folder / "one", workers)
         out = arguments.keep or folder / "five"
         five = timed(paths, out, [*workers, "--schemes", *SCHEMES])
         spd = timed(paths, folder / "spd", [*workers, "--schemes", SPD])
@@ -202,10 +218,14 @@ def main(argv: list[str] | None = None) -> int:
     seen, unseen = qualities(rows, False), qualities(rows, True)
     lines = [*in_sample(seen, cells), *out_of_sample(unseen, cells)]
     lines += [
-        Line("five clips, seven schemes, five rates", f"{SECONDS_BAR:g} s", f"{five:.0f} s", five < SECONDS_BAR),
-        Line("one clip of 300 x 31, five rates", f"{ONE_CLIP_BAR:g} s", f"{one:.0f} s", one < ONE_CLIP_BAR),
-        Line(f"{SPD} alone, five clips", "", f"{spd:.0f} s", True),
+        Line(
+            f"{len(paths)} clips, seven schemes, five rates", f"{SECONDS_BAR:g} s", f"{five:.0f} s", five < SECONDS_BAR
+        ),
+        Line(f"{SPD} alone", "", f"{spd:.0f} s", True),
     ]
+    if one is not None:
+        what = "one clip of 300 x 31, seven schemes, five rates"
+        lines.append(Line(what, f"{ONE_CLIP_BAR:g} s", f"{one:.0f} s", one < ONE_CLIP_BAR))
     rates = [f"{rate:g}" for rate in RATES]
     learned = [SPD, "geodesic, fitted", f"{SPD}, fitted", f"{OURS}, fitted"]
     title = "Q_hyb as a share of slerp's, mean over clips, in-sample"
