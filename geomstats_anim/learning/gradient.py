@@ -24,9 +24,9 @@ BOUND = np.log(10.0)
 """Largest |log alpha| and |log beta|: a condition number of at most 100."""
 
 _GRID = np.linspace(-2.0, 2.0, 5)
-_ROUGHLY = {"maxiter": 12, "ftol": 1e-4}
+_ROUGHLY = {"maxiter": 60, "ftol": 1e-5}
 _EXACTLY = {"maxiter": 100, "ftol": 1e-7}
-"""When L-BFGS-B stops: starts are followed roughly, the best of them exactly; ftol is in shares of the start's value."""
+"""When L-BFGS-B stops: starts are followed roughly, the best exactly; ftol is in shares of the start's value."""
 
 _HELPS = 1.0 - 1e-6
 """A point counts as better if it leaves at most this share of an error."""
