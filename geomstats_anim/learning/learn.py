@@ -45,6 +45,7 @@ def learn_metric(
     location_weight: float = 0.5,
     tune: TuneSettings | None = None,
     progress: Callable[[int, float], None] = lambda evaluations, value: None,
+    fitted: LearnedMetric | None = None,
 ) -> LearnedMetric:
     r"""Learn the metric, and for a spline the tension, with which some frames of an animation rebuild it best.
 
@@ -89,6 +90,9 @@ def learn_metric(
         Optional, default: None.
     progress : callable
         Called with the number of evaluations and the best value so far.
+    fitted : LearnedMetric
+        What the same call with the purpose "reconstruct" has found, for "predict" to shrink.
+        Optional, default: None, it is searched for.
 
     Returns
     -------
@@ -138,8 +142,11 @@ def learn_metric(
         return run(objective, len(joints), family, invariance, scheme, seed, settings or tpe.TuneSettings(), progress)
 
     with _workers(len(clips), tune) as workers:
-        found = find(_together(clips, workers), tune)
-        curve = found.curve
+        if fitted is None:
+            found = find(_together(clips, workers), tune)
+            curve, evaluations = found.curve, found.evaluations
+        else:
+            curve, evaluations = fitted.for_joints(joints)[0].curve, fitted.provenance.get("evaluations", 0)
         extra: dict[str, Any] = {}
         if purpose == "predict":
             # a folder holds one search, that of all frames
@@ -169,7 +176,7 @@ def learn_metric(
         "family": family,
         "invariance": invariance,
         "seed": seed,
-        "evaluations": found.evaluations,
+        "evaluations": evaluations,
         "frames": [clip.n_frames for clip in animations],
         "keys": [len(kept) for kept in keys],
         "score": score(scheme, metric),

@@ -89,6 +89,21 @@ def test_predicting_noise_gives_the_identity():
     np.testing.assert_array_equal(found.parameters.matrices[factors == 0.0] - np.eye(3), 0.0)
 
 
+@pytest.mark.parametrize("scheme", ["geodesic", "geodesic-spline"])
+def test_predicting_from_a_fit_is_the_same(scheme):
+    fitted = learn_metric(wandering(), KEYS, scheme=scheme, kind="rot")
+    one = learn_metric(wandering(), KEYS, scheme=scheme, kind="rot", purpose="predict")
+    other = learn_metric(wandering(), KEYS, scheme=scheme, kind="rot", purpose="predict", fitted=fitted)
+    assert one.to_json() == other.to_json()
+
+
+def test_a_spline_is_no_worse_than_slerp_the_plain_spline_and_the_geodesic():
+    truth = wandering()
+    geodesic = learn_metric(truth, KEYS)
+    spline = learn_metric(truth, KEYS, scheme="geodesic-spline").provenance
+    assert spline["score"] < min(spline["slerp_score"], spline["plain_score"], geodesic.provenance["score"])
+
+
 def test_predicting_from_two_segments():
     found = learn_metric(wandering(n_frames=15), [0, 7, 14], purpose="predict")
     assert found.provenance["cross_validated_score"] <= found.provenance["cross_validated_slerp_score"]
