@@ -208,8 +208,8 @@ def against_stock(n_stock: int, repeats: int) -> Line:
     )
 
 
-def against_slerp(repeats: int) -> Line:
-    """Upsampling, keys to samples, against one scipy object a joint."""
+def upsampling(repeats: int) -> Iterator[Line]:
+    """From keys to samples, against scipy's objects, one a joint, and the spline against the geodesics it bends."""
     rng = np.random.default_rng(7)
     keys, metric = samples.animation(rng, 300, 65, 20.0), samples.parameters(rng, 65, 10.0)
     share = np.arange(4) / 4.0
@@ -222,12 +222,23 @@ def against_slerp(repeats: int) -> Line:
 
     with one_core():
         theirs = seconds(scipy_slerp, repeats)
-        mine = seconds(lambda: interpolate(keys, times, "geodesic", metric), repeats)
-    return Line(
-        "65 joints x 300 keys by 4, against scipy's Slerp",
-        f"{theirs * 1e3:.0f} ms",
-        f"{mine * 1e3:.0f} ms",
-        mine <= theirs,
+        mine, bent, plain, scipys = (
+            seconds(lambda case=case: interpolate(keys, times, *case), repeats)
+            for case in (
+                ("geodesic", metric),
+                ("geodesic-spline", metric),
+                ("geodesic-spline",),
+                ("rotation-spline",),
+            )
+        )
+    what = "65 joints x 300 keys by 4"
+    yield Line(f"{what}, against scipy's Slerp", f"{theirs * 1e3:.0f} ms", f"{mine * 1e3:.0f} ms", mine <= theirs)
+    yield Line(f"{what}: geodesic-spline against geodesic", "2 times", f"{bent / mine:.2f} times", bent <= 2.0 * mine)
+    yield Line(
+        f"{what}: geodesic-spline with the identity against scipy's RotationSpline ({scipys * 1e3:.0f} ms)",
+        "",
+        f"{plain * 1e3:.0f} ms",
+        None,
     )
 
 
@@ -252,7 +263,7 @@ def measure(quick: bool) -> Iterator[Line]:
     yield from log_speed(20_000 if quick else 100_000, 2 if quick else 3)
     yield playback_speed(3 if quick else 7)
     yield against_stock(5 if quick else 60, 3)
-    yield against_slerp(3 if quick else 7)
+    yield from upsampling(3 if quick else 7)
     yield from start_up()
 
 

@@ -19,7 +19,7 @@ KEYS = (
     "clip rate scheme keys q_loc q_rot q_hyb mean_rotation_deg mean_location_cm max_location_cm bytes_numpy bytes_usdc "
     "seconds_learn seconds_interpolate out_of_sample"
 ).split()
-WORDS = ["--rates", ".25", "--schemes", "constant", "slerp", "geodesic"]
+WORDS = ["--rates", ".25", "--schemes", "constant", "slerp", "geodesic", "geodesic-spline"]
 SECONDS = ("seconds_learn", "seconds_interpolate")
 
 
@@ -98,9 +98,10 @@ def test_rows(rows):
     assert all(list(row)[: len(KEYS)] == KEYS for row in rows)
     assert all(row["error"] is None for row in rows)
     whole = [(row["clip"], row["rate"], row["scheme"]) for row in rows if not row["out_of_sample"]]
-    assert whole == [("one", 0.25, s) for s in ("constant", "slerp", "geodesic")]
-    unseen = [(row["scheme"], row["purpose"]) for row in rows if row["out_of_sample"]][:4]
-    assert unseen == [("constant", None), ("slerp", None), ("geodesic", "predict"), ("geodesic", "reconstruct")]
+    assert whole == [("one", 0.25, s) for s in WORDS[3:]]
+    unseen = [(row["scheme"], row["purpose"]) for row in rows if row["out_of_sample"]]
+    learned = [(s, purpose) for s in ("geodesic", "geodesic-spline") for purpose in ("predict", "reconstruct")]
+    assert unseen == [("constant", None), ("slerp", None), *learned]
     assert {row["keys"] for row in rows} == {6, 3}
     assert all(row["frames"] == (12 if row["out_of_sample"] else 24) for row in rows)
 
@@ -108,7 +109,7 @@ def test_rows(rows):
 def test_learned_rows_win_in_sample(rows):
     whole = {(row["clip"], row["rate"], row["scheme"]): row for row in rows if not row["out_of_sample"]}
     for (clip, rate, scheme), row in whole.items():
-        if scheme == "geodesic":
+        if scheme.startswith("geodesic"):
             assert row["q_hyb"] <= whole[clip, rate, "slerp"]["q_hyb"]
             assert row["bytes_numpy"] > whole[clip, rate, "slerp"]["bytes_numpy"]
             assert row["seconds_learn"] > 0.0
@@ -124,7 +125,7 @@ def test_numbers_are_those_of_the_written_files(folder, rows):
             for name, value in found.items():
                 assert row[name] == pytest.approx(value, rel=1e-5, abs=1e-5), (row["usd"], name)
             checked += 1
-    assert checked == 3
+    assert checked == 4
 
 
 def test_written_files_go_over_their_source(folder, rows):
@@ -139,7 +140,7 @@ def test_written_files_go_over_their_source(folder, rows):
         kept = [a == b for a, b in zip(bits(new), bits(old), strict=True)]
         assert kept[0] and kept[-1] and sum(kept) >= row["keys"]
         metric = stored_metric(folder / row["usd"])
-        assert (metric is not None) == (row["scheme"] == "geodesic")
+        assert (metric is not None) == row["scheme"].startswith("geodesic")
 
 
 def test_csv_holds_the_same(folder, rows):
@@ -206,9 +207,13 @@ def test_failing_cell_is_named_and_the_rest_goes_on(tmp_path, run, monkeypatch):
 
 def test_too_few_keys_to_learn_from(tmp_path, run):
     make_clip(tmp_path / "in.usda", count=12)
-    words = ["--rates", ".1", "--schemes", "constant", "geodesic"]
+    words = ["--rates", ".1", "--schemes", "slerp", "geodesic", "geodesic-spline"]
     code, _, _ = run("compare", tmp_path / "in.usda", "-o", tmp_path / "out", *words)
     assert code == 0
+    rows = json.loads((tmp_path / "out" / "results.json").read_text())["rows"]
+    assert not any(row["error"] for row in rows)
+    seen = [row["q_hyb"] for row in rows if not row["out_of_sample"]]
+    assert seen == pytest.approx([seen[0]] * 3, rel=1e-9)
 
 
 def test_everything_fails_and_there_is_still_a_report(tmp_path, run, monkeypatch):
@@ -308,7 +313,7 @@ def test_real_clips_are_those_of_the_written_files(tmp_path, run):
         pytest.skip(f"needs the clips in {DATA}")
     for clip in clips:
         shutil.copy(clip, tmp_path)
-    schemes = [scheme for scheme in SCHEMES if not scheme.startswith("geodesic")]
+    schemes = [*SCHEMES, "geodesic:spd"]
     paths = [tmp_path / clip.name for clip in clips]
     assert run("compare", *paths, "-o", tmp_path / "out", "--rates", ".2", "--schemes", *schemes)[0] == 0
     for row in json.loads((tmp_path / "out" / "results.json").read_text())["rows"]:
