@@ -75,7 +75,8 @@ class MetricParameters:
             if len(bad):
                 raise ValueError(f"{name} of joint {bad[0]} is {values[bad[0]]}, but it must be a positive number.")
         moments = np.stack([np.ones_like(alpha), alpha, beta])
-        condition = moments.max(axis=0) / moments.min(axis=0)
+        with np.errstate(over="ignore"):  # infinite is too large as well
+            condition = moments.max(axis=0) / moments.min(axis=0)
         bad = np.flatnonzero(condition > MAX_CONDITION)
         if len(bad):
             raise ValueError(

@@ -147,7 +147,7 @@ def _learn_json(args: argparse.Namespace, messages: Messages) -> int:
                 raise ToolError(f"{argument} {path} is an input; choose another name.")
         with Progress(len(files), "Reading") as progress:
             takes, skipped = gather(files, args.prim, args.skip_mismatched, messages, progress.advance)
-        lesson = _teach(args, takes)
+        lesson = _teach(args, takes, messages)
     learn_report.tell(lesson, args.verbose, messages)
     with written_beside(args.out) as beside:
         beside.write_text(lesson.metric.to_json(), encoding="utf-8")
@@ -176,7 +176,7 @@ def _learn_usd(args: argparse.Namespace, messages: Messages) -> int:
             )
         lessons = []
         for _, take in taken:
-            lessons.append(_teach(args, [take]))
+            lessons.append(_teach(args, [take], messages))
             learn_report.tell(lessons[-1], args.verbose, messages)
         _write(args, target, stage, [clip for clip, _ in taken], lessons, messages)
     print(f"{target.path} is written: a metric, and every sample as it was; usd_tools.upsample finds the metric there.")
@@ -200,7 +200,11 @@ def _recipe(args: argparse.Namespace) -> Recipe:
     return Recipe(**{word: getattr(args, word) for word in words}, tune=tune)
 
 
-def _teach(args: argparse.Namespace, takes: Sequence[Take]) -> Lesson:
+def _teach(args: argparse.Namespace, takes: Sequence[Take], messages: Messages) -> Lesson:
+    alone = sum(len(take.stretches) for take in takes) == 1
+    if alone and args.search == "gradient" and (args.address or (args.cpus or 1) > 1):
+        option = "--address" if args.address else "--cpus"
+        messages.warn(f"{option} spreads several clips over workers; {takes[0]} is one, learned in this process.")
     with SearchProgress(args.trials or TRIALS if args.search == "tpe-joint" else None) as progress:
         return teach(takes, _recipe(args), progress.watch)
 

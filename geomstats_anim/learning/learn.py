@@ -190,11 +190,16 @@ def learn_metric(
 @contextmanager
 def _workers(n_clips: int, tune: TuneSettings | None) -> Iterator[int]:
     """Have as many processes as are asked for and can be used; Ray is started for no less than two."""
-    if n_clips == 1 or tune is None:
+    if tune is None:
         yield 1
         return
     from geomstats_anim.learning import ray_runtime
 
+    if n_clips == 1:
+        if tune.address:  # there is nothing to spread, but a slip in it should not go unnoticed
+            ray_runtime.check_reachable(tune.address)
+        yield 1
+        return
     if not ray_runtime.is_wanted(tune.address, tune.cpus):
         yield 1
         return

@@ -79,7 +79,7 @@ def running(address: str | None = None, cpus: int | None = None) -> Iterator[int
     address = address or os.environ.get("RAY_ADDRESS")
     quiet = {"log_to_driver": False, "logging_level": logging.ERROR}
     if address and address != "local":
-        _check_reachable(address)
+        check_reachable(address)
         try:
             ray.init(address=address, **quiet)
         except Exception as error:  # Ray has no common class for the many ways in which joining fails
@@ -113,7 +113,8 @@ def _importable() -> Iterator[None]:
             os.environ["PYTHONPATH"] = before
 
 
-def _check_reachable(address: str) -> None:
+def check_reachable(address: str) -> None:
+    """Raise ConnectionError, in a sentence, if nothing answers at the address of a cluster."""
     if address == "auto":
         return
     host, _, port = address.rpartition("://")[2].rpartition(":")

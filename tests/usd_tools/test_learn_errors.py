@@ -210,3 +210,14 @@ def test_upsample_learns_for_its_scheme_only(tmp_path, clip, refuse):
     assert (
         sentence == "--metric learn learns for --scheme geodesic, geodesic-spline, not for linear; choose one of them."
     )
+
+
+def test_no_cluster_for_one_clip(tmp_path, clip, refuse):
+    sentence = refuse("learn", clip, "-o", tmp_path / "o.usda", "--address", "127.0.0.1:1")
+    assert sentence.startswith("There is no Ray cluster at 127.0.0.1:1")
+
+
+def test_workers_for_one_clip_are_not_used(tmp_path, clip, run):
+    code, _, err = run("learn", clip, "-o", tmp_path / "o.usda", "--cpus", 2)
+    assert code == 0
+    assert err == "warning: --cpus spreads several clips over workers; in.usda is one, learned in this process.\n"
