@@ -291,8 +291,8 @@ def _learned(
     if first_half:
         stretches = tuple(stretch.at_frames(slice(0, stretch.n_frames // 2 + 1)) for stretch in stretches)
     keys = [uniform_keyframes(stretch.n_frames, rate) for stretch in stretches]
-    if sum(len(kept) - 1 for kept in keys) < 2:
-        # a segment alone teaches nothing that would be worth a metric
+    if purpose != PURPOSES[0] and sum(len(kept) - 1 for kept in keys) < 2:
+        # a segment alone cannot tell how to predict
         joints = stretches[0].skeleton.joints
         return LearnedMetric(joints, MetricParameters.identity(len(joints)), scheme=contender.scheme), 0.0
     fitted, seconds = None, 0.0

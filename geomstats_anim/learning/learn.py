@@ -103,7 +103,7 @@ def learn_metric(
     Raises
     ------
     ValueError
-        If a word is unknown, the joints differ, there is only one segment to learn from, or nothing moves.
+        If a word is unknown, the joints differ, there is only one segment to predict from, or nothing moves.
 
     Examples
     --------
@@ -129,7 +129,7 @@ def learn_metric(
     else:
         animations = list(animation)
         keys = [_frames(kept) for kept in cast(Sequence[ArrayLike], keyframes)]
-    _check(animations, keys)
+    _check(animations, keys, purpose)
     joints = animations[0].skeleton.joints
     clips = [Objective(clip, kept, kind, weights, location_weight) for clip, kept in zip(animations, keys, strict=True)]
 
@@ -215,7 +215,7 @@ def _frames(keyframes: ArrayLike) -> np.ndarray:
     return frames.astype(np.intp)
 
 
-def _check(animations: Sequence[Animation], keys: Sequence[np.ndarray]) -> None:
+def _check(animations: Sequence[Animation], keys: Sequence[np.ndarray], purpose: str) -> None:
     """Refuse what nothing can be learned from."""
     if not animations or len(animations) != len(keys):
         raise ValueError(
@@ -227,8 +227,8 @@ def _check(animations: Sequence[Animation], keys: Sequence[np.ndarray]) -> None:
             raise ValueError(f"Animation {number} has other joints than the first.")
         if len(kept) < 2 or kept[0] != 0 or kept[-1] != clip.n_frames - 1 or (np.diff(kept) <= 0).any():
             raise ValueError(f"The keys of animation {number} must increase from frame 0 to frame {clip.n_frames - 1}.")
-    if sum(len(kept) - 1 for kept in keys) < 2:
-        raise ValueError("There is only one segment between keys to learn from; keep more keys.")
+    if purpose == "predict" and sum(len(kept) - 1 for kept in keys) < 2:
+        raise ValueError("There is only one segment between keys, which cannot tell how to predict; keep more keys.")
     if all(len(kept) == clip.n_frames for clip, kept in zip(animations, keys, strict=True)):
         raise ValueError("Every frame is a key, so there is nothing to rebuild; keep fewer keys.")
     if all((quat.distance(clip.rotations, clip.rotations[:1]) < STILL).all() for clip in animations):

@@ -213,7 +213,10 @@ def test_too_few_keys_to_learn_from(tmp_path, run):
     rows = json.loads((tmp_path / "out" / "results.json").read_text())["rows"]
     assert not any(row["error"] for row in rows)
     seen = [row["q_hyb"] for row in rows if not row["out_of_sample"]]
-    assert seen == pytest.approx([seen[0]] * 3, rel=1e-9)
+    # one segment can be rebuilt better, but tells nothing of others
+    assert max(seen[1:]) < seen[0]
+    unseen = {(row["scheme"], row["purpose"]): row["q_hyb"] for row in rows if row["out_of_sample"]}
+    assert unseen["geodesic", "predict"] == pytest.approx(unseen["slerp", None], rel=1e-9)
 
 
 def test_everything_fails_and_there_is_still_a_report(tmp_path, run, monkeypatch):

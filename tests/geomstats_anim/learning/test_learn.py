@@ -139,8 +139,9 @@ def test_keys_that_do_not_fit(keys):
 
 def test_nothing_to_learn_from():
     clip = wandering()
-    with pytest.raises(ValueError, match="^There is only one segment between keys to learn from; keep more keys[.]$"):
-        learn_metric(clip, [0, 40])
+    one_segment = "^There is only one segment between keys, which cannot tell how to predict; keep more keys[.]$"
+    with pytest.raises(ValueError, match=one_segment):
+        learn_metric(clip, [0, 40], purpose="predict")
     with pytest.raises(ValueError, match="^Every frame is a key, so there is nothing to rebuild; keep fewer keys[.]$"):
         learn_metric(clip, np.arange(41))
     still = of_vectors(np.full((41, N_JOINTS, 3), 0.3))
@@ -160,6 +161,12 @@ def test_several_clips_that_do_not_fit():
         learn_metric([clip, renamed(clip)], [KEYS, KEYS])
     with pytest.raises(ValueError, match="^The keys of animation 1 must increase from frame 0 to frame 40[.]$"):
         learn_metric([clip, clip], [KEYS, [0, 1]])
+
+
+@pytest.mark.parametrize("scheme", ["geodesic", "geodesic-spline"])
+def test_one_segment_can_be_rebuilt(scheme):
+    found = learn_metric(wandering(), [0, 40], scheme=scheme)
+    assert found.provenance["score"] < found.provenance["slerp_score"]
 
 
 def test_clips_of_one_segment_each_are_enough_together():
