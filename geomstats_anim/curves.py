@@ -157,14 +157,24 @@ class Slerp(Piecewise):
         return quat.slerp(keys[segment], keys[segment + 1], fraction[:, None])
 
 
-class Squad(Piecewise):
+class _OnCubicPaths(Piecewise):
+    """A scheme whose translations go along scipy's cubic spline."""
+
+    def _prepare(self, metric: Metric | None) -> None:
+        self._path = scipy.interpolate.CubicSpline(self.animation.times, self.animation.translations)
+
+    def _translations(self, segment: np.ndarray, fraction: Array) -> Array:
+        return self._path(times_at(self.animation.times, segment, fraction))
+
+
+class Squad(_OnCubicPaths):
     """Spherical quadrangles through the keys (Shoemake, "Quaternion calculus and fast animation", 1987).
 
-    The inner control points allow for uneven key times as the package numpy-quaternion does. Translations go along a
-    cubic spline.
+    The inner control points allow for uneven key times as the package numpy-quaternion does.
     """
 
     def _prepare(self, metric: Metric | None) -> None:
+        super()._prepare(metric)
         keys, durations = self.animation.rotations, np.diff(self.animation.times)[:, None, None]
         turns = quat.log(quat.multiply(quat.conjugate(keys[:-1]), keys[1:]))
         before, after = turns[:-1], turns[1:]
@@ -172,7 +182,6 @@ class Squad(Piecewise):
         self._leaving, self._arriving = keys[:-1].copy(), keys[1:].copy()
         self._leaving[1:] = quat.multiply(keys[1:-1], quat.exp(0.25 * (before * ratio - after)))
         self._arriving[:-1] = quat.multiply(keys[1:-1], quat.exp(0.25 * (before - after / ratio)))
-        self._path = scipy.interpolate.CubicSpline(self.animation.times, self.animation.translations)
 
     def _rotations(self, segment: np.ndarray, fraction: Array) -> Array:
         keys, u = self.animation.rotations, fraction[:, None]
@@ -180,18 +189,15 @@ class Squad(Piecewise):
         inner = quat.slerp(self._leaving[segment], self._arriving[segment], u)
         return quat.slerp(outer, inner, 2.0 * u * (1.0 - u))
 
-    def _translations(self, segment: np.ndarray, fraction: Array) -> Array:
-        return self._path(times_at(self.animation.times, segment, fraction))
 
-
-class RotationSpline(Piecewise):
-    """Twice continuously differentiable: scipy's `RotationSpline`, and its `CubicSpline` for translations."""
+class RotationSpline(_OnCubicPaths):
+    """Twice continuously differentiable: scipy's `RotationSpline`."""
 
     def _prepare(self, metric: Metric | None) -> None:
+        super()._prepare(metric)
         keys, times = self.animation, self.animation.times
         by_joint = (scipy.spatial.transform.Rotation.from_quat(keys.rotations[:, b]) for b in range(keys.n_joints))
         self._splines = [scipy.spatial.transform.RotationSpline(times, rotations) for rotations in by_joint]
-        self._path = scipy.interpolate.CubicSpline(times, keys.translations)
 
     def _rotations(self, segment: np.ndarray, fraction: Array) -> Array:
         times = times_at(self.animation.times, segment, fraction)
@@ -199,6 +205,3 @@ class RotationSpline(Piecewise):
         for b, spline in enumerate(self._splines):
             rotations[:, b] = spline(times).as_quat()
         return rotations
-
-    def _translations(self, segment: np.ndarray, fraction: Array) -> Array:
-        return self._path(times_at(self.animation.times, segment, fraction))

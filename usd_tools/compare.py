@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from geomstats_anim import SCHEMES, __version__
+from geomstats_anim.quality import KINDS
 from usd_tools import comparison_tables, selection
 from usd_tools.arguments import share, whole_number
 from usd_tools.comparison import RATES, Contender, Outcome, Row, cells
@@ -26,7 +27,6 @@ from usd_tools.progress import Progress
 from usd_tools.report.report import write_report
 
 TOOL = "usd_tools.compare"
-KINDS = ("loc", "rot", "hyb")
 CONTENTS = ("figures", "index.html", "results.csv", "results.json", "usd")
 
 

@@ -18,6 +18,7 @@ from geomstats_anim import __version__
 from geomstats_anim.learning.gradient import FAMILIES, INVARIANCE_CHOICES
 from geomstats_anim.learning.learn import PURPOSES, SCHEMES, SEARCHES
 from geomstats_anim.learning.tpe import TRIALS, TuneSettings
+from geomstats_anim.quality import KINDS
 from usd_tools import learn_report, output, selection
 from usd_tools.arguments import seed, share, whole_number
 from usd_tools.corpus_files import Skipped, files_in, gather, read_clips, take_all
@@ -30,7 +31,6 @@ from usd_tools.skel_reader import SkelClip
 from usd_tools.takes import Take
 
 TOOL = "usd_tools.learn"
-KINDS = ("loc", "rot", "hyb")
 
 _TPE_ONLY = {"trials": "--trials", "folder": "--folder", "resume": "--resume", "wandb": "--wandb"}
 

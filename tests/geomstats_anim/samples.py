@@ -38,6 +38,17 @@ def parameters(rng, n, condition, full=False, invariance=None):
     return MetricParameters(alpha / first, beta / first, axes, sides)
 
 
+def moved(parameters, direction, step):
+    """Move all joints' log alpha, log beta, or axes, the last by a turn from the left."""
+    log_moments, turn = np.log(parameters.moments[:, 1:]), np.zeros(3)
+    if direction < 2:
+        log_moments[:, direction] += step
+    else:
+        turn[direction - 2] = step
+    axes = quat.log(quat.multiply(quat.exp(turn), parameters.axes_quaternions))
+    return MetricParameters(*np.exp(log_moments).T, axes, parameters.invariance)
+
+
 def flow(inertia, momentum, parameter=1.0):
     """End points, unit quaternions of shape=[n, 4], of geodesics from the identity."""
     index, out = np.arange(len(inertia)), np.empty((len(inertia), 1, 4))

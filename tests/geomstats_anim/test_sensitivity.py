@@ -40,17 +40,6 @@ def gradient(initial, end, parameters, coefficients, index=INDEX, parameter=PARA
     return geodesics, geodesics.pull_back(index, parameter, rotations, cotangent)
 
 
-def moved(parameters, direction, step):
-    """Move all joints' log alpha, log beta, or axes, the last by a turn from the left."""
-    log_moments, turn = np.log(parameters.moments[:, 1:]), np.zeros(3)
-    if direction < 2:
-        log_moments[:, direction] += step
-    else:
-        turn[direction - 2] = step
-    axes = quat.log(quat.multiply(quat.exp(turn), parameters.axes_quaternions))
-    return MetricParameters(*np.exp(log_moments).T, axes, parameters.invariance)
-
-
 def differences(initial, end, parameters, coefficients, step=1e-4):
     """Central, of fourth order: the geodesics of neighbouring metrics are followed, so that the branch is the same."""
     geodesics = PoseGeodesics.between(initial, end, parameters)
@@ -58,7 +47,7 @@ def differences(initial, end, parameters, coefficients, step=1e-4):
     for direction in range(5):
         values = []
         for factor in (-2.0, -1.0, 1.0, 2.0):
-            near = PoseGeodesics.between(initial, end, moved(parameters, direction, factor * step), geodesics)
+            near = PoseGeodesics.between(initial, end, samples.moved(parameters, direction, factor * step), geodesics)
             values.append(scalars(near(INDEX, PARAMETER), coefficients))
         out[:, direction] = (values[0] - 8.0 * values[1] + 8.0 * values[2] - values[3]) / (12.0 * step)
     return out

@@ -266,17 +266,6 @@ INDEX = np.repeat(np.arange(N_KEYS - 1), 7)
 PARAMETER = np.tile([0.0, 0.1, 0.1, 0.5, 0.73, 0.99, 1.0], N_KEYS - 1)
 
 
-def moved(parameters, direction, step):
-    """Move all joints' log alpha, log beta, or axes, the last by a turn from the left."""
-    log_moments, turn = np.log(parameters.moments[:, 1:]), np.zeros(3)
-    if direction < 2:
-        log_moments[:, direction] += step
-    else:
-        turn[direction - 2] = step
-    axes = quat.log(quat.multiply(quat.exp(turn), parameters.axes_quaternions))
-    return MetricParameters(*np.exp(log_moments).T, axes, parameters.invariance)
-
-
 @FULL
 @pytest.mark.parametrize("invariance", ["left", "right", None])
 @pytest.mark.parametrize("step_angle", [20.0, 60.0, 110.0])
@@ -302,7 +291,7 @@ def test_the_derivative_against_finite_differences(held, step_angle, invariance,
     for direction in range(6):
         values = []
         for factor in (-2.0, -1.0, 1.0, 2.0):
-            near = moved(parameters, direction, factor * step) if direction < 5 else parameters
+            near = samples.moved(parameters, direction, factor * step) if direction < 5 else parameters
             tight = tension + (factor * step if direction == 5 else 0.0)
             values.append(scalars(PoseSpline(keys.times, rotations, near, tight, curve)))
         expected[:, direction] = (values[0] - 8.0 * values[1] + 8.0 * values[2] - values[3]) / (12.0 * step)
