@@ -38,6 +38,7 @@ from geomstats_anim import (  # noqa: E402
 from geomstats_anim import rotations as quat  # noqa: E402
 from geomstats_anim.learning.gradient import BOUND, Found, search_gradient  # noqa: E402
 from geomstats_anim.learning.objective import Objective  # noqa: E402
+from geomstats_anim.parameters import CurveParameters  # noqa: E402
 
 OPTIMUM_BAR = 1.005
 SECONDS_BAR = 2.0
@@ -70,11 +71,13 @@ def optimum_of_rotation(animation: Animation, keys: np.ndarray) -> float:
     n_joints = animation.n_joints
     grid = np.stack(np.meshgrid(*2 * [np.linspace(-BOUND, BOUND, 9)]), axis=-1).reshape(-1, 2)
     whole = Objective(animation, keys, "rot")
-    best = whole.rotation_errors_by_joint(MetricParameters.identity(n_joints))
+    best = whole.rotation_errors_by_joint(CurveParameters.plain("geodesic", n_joints))
     for side in ("left", "right"):
         errors = np.array(
             [
-                whole.rotation_errors_by_joint(MetricParameters(*np.exp(np.tile(point[:, None], n_joints)), None, side))
+                whole.rotation_errors_by_joint(
+                    CurveParameters.geodesic(MetricParameters(*np.exp(np.tile(point[:, None], n_joints)), None, side))
+                )
                 for point in grid
             ]
         )
@@ -82,7 +85,7 @@ def optimum_of_rotation(animation: Animation, keys: np.ndarray) -> float:
             alone = Objective(only_joint(animation, joint), keys, "rot")
 
             def value(point: np.ndarray, alone: Objective = alone, side: str = side) -> float:
-                return alone.value(MetricParameters(*np.exp(point), None, side))
+                return alone.value(CurveParameters.geodesic(MetricParameters(*np.exp(point), None, side)))
 
             result = minimize(
                 value,
@@ -161,7 +164,7 @@ def measure(name: str, animation: Animation, rate: float, kind: str, with_optimu
     """Learn one cell."""
     keys = uniform_keyframes(animation.n_frames, rate)
     objective = Objective(animation, keys, kind)
-    slerp = objective.value(MetricParameters.identity(animation.n_joints))
+    slerp = objective.value(CurveParameters.plain("geodesic", animation.n_joints))
     found, taken = [], []
     for family in ("diagonal", "spd"):
         start = time.perf_counter()
@@ -175,11 +178,12 @@ def value_speed(animation: Animation, repeats: int) -> list[Line]:
     """One evaluation, at a metric that is not the identity."""
     objective = Objective(animation, uniform_keyframes(animation.n_frames, 0.3))
     n = animation.n_joints
-    parameters = MetricParameters(np.full(n, 2.0), np.full(n, 0.7), None, tuple(("left", "right") * n)[:n])
+    metric = MetricParameters(np.full(n, 2.0), np.full(n, 0.7), None, tuple(("left", "right") * n)[:n])
+    curve = CurveParameters.geodesic(metric)
     lines = []
     runs = (("value", objective.value, True), ("value and gradient", objective.value_and_gradient, False))
     for what, run, has_bar in runs:
-        taken = 1e3 * seconds(lambda run=run: run(parameters), repeats)
+        taken = 1e3 * seconds(lambda run=run: run(curve), repeats)
         what = f"{what}, {n} joints x {animation.n_frames} frames"
         bar, met = (f"{MILLISECONDS_BAR:g} ms", taken < MILLISECONDS_BAR) if has_bar else ("", None)
         lines.append(Line(what, bar, f"{taken:.1f} ms", met))

@@ -21,11 +21,12 @@ CLIPS = ROOT.parent / "shared" / "data" / "clips"
 RATES = (0.3, 0.1)
 sys.path.insert(0, str(ROOT))
 
-from geomstats_anim import Animation, MetricParameters, uniform_keyframes  # noqa: E402
+from geomstats_anim import Animation, uniform_keyframes  # noqa: E402
 from geomstats_anim.learning.gradient import Found, search_gradient  # noqa: E402
 from geomstats_anim.learning.objective import Objective  # noqa: E402
 from geomstats_anim.learning.ray_runtime import running  # noqa: E402
 from geomstats_anim.learning.tpe import TuneSettings, search_tpe, search_tpe_joint  # noqa: E402
+from geomstats_anim.parameters import CurveParameters  # noqa: E402
 
 
 def read(path: Path) -> Animation:
@@ -79,8 +80,8 @@ def main() -> int:
             joints = animation.n_joints
             for rate in RATES:
                 objective = Objective(animation, uniform_keyframes(animation.n_frames, rate))
-                slerp = objective.value(MetricParameters.identity(joints))
-                objective.value_and_gradient(MetricParameters.identity(joints))  # loads the kernels
+                slerp = objective.value(CurveParameters.plain("geodesic", joints))
+                objective.value_and_gradient(CurveParameters.plain("geodesic", joints))  # loads the kernels
                 settings = TuneSettings(trials=trials, window=0, cpus=1)
 
                 def gradient(objective=objective, joints=joints, **given) -> Found:  # type: ignore[no-untyped-def]
