@@ -108,6 +108,7 @@ def test_valid(clips, name):
     assert [error.GetMessage() for error in errors] == []
 
 
+@pytest.mark.slow
 def test_same_bytes_every_time(folder, tmp_path, capsys):
     assert make_clips.main(["-o", str(tmp_path), "--clips", "jumping", "rolling"]) == 0
     assert capsys.readouterr().out.split() == [str(tmp_path / "jumping.usda"), str(tmp_path / "rolling.usda")]

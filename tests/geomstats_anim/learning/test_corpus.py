@@ -52,12 +52,14 @@ def test_no_clips():
         Corpus([])
 
 
+@pytest.mark.slow
 def test_joint_by_joint_on_a_corpus():
     corpus = Corpus(clips())
     found = search_tpe(corpus, N_JOINTS, settings=TuneSettings(trials=25))
     assert found.value == corpus.value(found.curve) < corpus.value(CurveParameters.plain("geodesic", N_JOINTS))
 
 
+@pytest.mark.slow
 def test_workers_give_the_same_as_one_process():
     with ray_runtime.running(cpus=2) as workers:
         assert workers == 2

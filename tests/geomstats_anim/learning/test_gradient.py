@@ -107,6 +107,7 @@ def test_more_choice_of_sides_is_no_worse(seed, kind):
     assert joint <= 1.001 * clip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_it_is_at_the_optimum_of_the_rotation_error(seed):
     animation = wandering(seed)
@@ -127,7 +128,7 @@ def test_the_words_are_kept_to(family, invariance):
         assert found.axes is None
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", ["diagonal", pytest.param("spd", marks=pytest.mark.slow)])
 def test_bounds(family):
     """Noise drives the search to the ends of its range."""
     found = search_gradient(Objective(noise(n_frames=31), uniform_keyframes(31, 0.5)), N_JOINTS, family).curve.metric
@@ -136,7 +137,7 @@ def test_bounds(family):
     assert condition.max() <= 100.0 + 1e-9
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", ["diagonal", pytest.param("spd", marks=pytest.mark.slow)])
 def test_two_runs_are_equal_to_the_last_bit(family):
     one, other = (search_gradient(Objective(wandering(5), KEYS), N_JOINTS, family) for _ in range(2))
     assert (one.value, one.evaluations) == (other.value, other.evaluations)

@@ -147,6 +147,7 @@ def test_all_joints_at_once(ray_instance, tmp_path, capfd):
         search_tpe_joint(objective, N_JOINTS, settings=TuneSettings(folder=tmp_path / "empty", resume=True))
 
 
+@pytest.mark.slow
 def test_all_joints_at_once_stop_when_converged(ray_instance):
     settings = TuneSettings(trials=50, cpus=2, window=4, threshold=0.99)
     found = search_tpe_joint(Corpus([objective_of(), objective_of(1)]), N_JOINTS, invariance="clip", settings=settings)

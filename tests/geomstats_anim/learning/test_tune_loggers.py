@@ -25,6 +25,7 @@ def ray_instance():
         yield workers
 
 
+@pytest.mark.slow
 def test_no_file_stays_open(ray_instance, tmp_path):
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", ResourceWarning)
