@@ -152,9 +152,8 @@ class PoseGeodesics:
         self.status = np.full(shape, LogStatus.CONVERGED)
         self.residual, self.iterations = np.zeros(shape), np.zeros(shape, dtype=np.intp)
         self._inverse_moments = np.broadcast_to(1.0 / parameters.moments, velocity.shape)
-        axes = parameters.axes_quaternions
         outward = np.where(parameters.is_right, -1.0, 1.0)[:, None]
-        self._momentum = quat.rotate(axes, outward * velocity) / self._inverse_moments
+        self._momentum = parameters.along_axes(outward * velocity) / self._inverse_moments
         self.length = np.sqrt((self._momentum**2 * self._inverse_moments).sum(axis=-1))
 
     @classmethod
@@ -185,24 +184,24 @@ class PoseGeodesics:
         geodesics : PoseGeodesics
             The end is at parameter 1.
         """
-        axes, is_right = parameters.axes_quaternions, parameters.is_right[:, None]
+        is_right = parameters.is_right[:, None]
         body_relative = quat.multiply(quat.conjugate(initial), end)
         space_relative = quat.multiply(end, quat.conjugate(initial))
         # the right-invariant geodesic is the inverse of the left-invariant one between the inverses
         relative = np.where(is_right, quat.conjugate(space_relative), body_relative)
-        vector = quat.rotate(axes, quat.log(relative))
+        vector = parameters.along_axes(quat.log(relative))
         moments = np.broadcast_to(parameters.moments, vector.shape)
         start = None
         if near is not None:
             outward = np.where(is_right, -1.0, 1.0)
-            start = (moments * quat.rotate(axes, outward * near.velocity)).reshape(-1, 3)
+            start = (moments * parameters.along_axes(outward * near.velocity)).reshape(-1, 3)
         found = shortest_momenta(moments.reshape(-1, 3), vector.reshape(-1, 3), start, effort)
 
         shape = vector.shape[:-1]
         converged = (found.status == LogStatus.CONVERGED).reshape(*shape, 1)
         momentum = np.where(converged, found.momentum.reshape(vector.shape), vector)
         inverse_moments = np.where(converged, 1.0 / moments, 1.0)
-        velocity = quat.rotate(quat.conjugate(axes), momentum * inverse_moments)
+        velocity = parameters.from_axes(momentum * inverse_moments)
         geodesics = cls(initial, np.where(is_right, -velocity, velocity), parameters)
         geodesics._momentum, geodesics._inverse_moments = momentum, inverse_moments
         geodesics._turn = quat.exp(vector)
@@ -239,8 +238,9 @@ class PoseGeodesics:
 
     def poses(self, index: np.ndarray, turned: Array) -> Array:
         """Turn the geodesics' initial poses by what `turns` returns."""
-        axes, is_right = self.parameters.axes_quaternions, self.parameters.is_right
+        is_right = self.parameters.is_right
         if self.parameters.axes is not None:
+            axes = self.parameters.axes_quaternions
             turned = quat.multiply(quat.multiply(quat.conjugate(axes), turned), axes)
         initial = self.initial[index]
         rotations = quat.multiply(initial, turned)
@@ -272,7 +272,7 @@ class PoseGeodesics:
         # the body variation x of a right-invariant geodesic g = e^-1 A comes from -g x of e
         is_right = self.parameters.is_right[:, None]
         inward = np.where(is_right, -quat.rotate(rotations, cotangent), cotangent)
-        return quat.rotate(self.parameters.axes_quaternions, inward)
+        return self.parameters.along_axes(inward)
 
     def pull_back_turns(
         self, index: np.ndarray, parameter: Array, cotangent: Array, partial: Array | None = None

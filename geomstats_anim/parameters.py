@@ -167,6 +167,14 @@ class MetricParameters:
             return np.tile(quat.IDENTITY, (self.n_joints, 1))
         return quat.exp(self.axes)
 
+    def along_axes(self, vectors: Array) -> Array:
+        """See vectors of the joints, shape=[..., B, 3], along the principal axes."""
+        return vectors if self.axes is None else quat.rotate(self.axes_quaternions, vectors)
+
+    def from_axes(self, vectors: Array) -> Array:
+        """Undo `along_axes`."""
+        return vectors if self.axes is None else quat.rotate(quat.conjugate(self.axes_quaternions), vectors)
+
     @property
     def matrices(self) -> Array:
         """Matrices Z at the identity, shape=[B, 3, 3]."""
