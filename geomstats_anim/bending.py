@@ -8,8 +8,13 @@ from geomstats_anim.vectors import compiled, cross, multiply
 
 
 @compiled
+def _weights(parameter):
+    return parameter * (1.0 - parameter) ** 2, -(parameter**2) * (1.0 - parameter)
+
+
+@compiled
 def _cubic(start, end, parameter):
-    first, second = parameter * (1.0 - parameter) ** 2, -(parameter**2) * (1.0 - parameter)
+    first, second = _weights(parameter)
     return (
         first * start[0] + second * end[0],
         first * start[1] + second * end[1],
@@ -59,7 +64,7 @@ def unbend(index, parameter, start, end, cotangent, by_start, by_end):
     """
     for f in range(len(index)):
         u, k = parameter[f], index[f]
-        first, second = u * (1.0 - u) ** 2, -(u**2) * (1.0 - u)
+        first, second = _weights(u)
         for b in range(cotangent.shape[1]):
             c = _cubic(start[k, b], end[k, b], u)
             x = (cotangent[f, b, 0], cotangent[f, b, 1], cotangent[f, b, 2])

@@ -47,3 +47,9 @@ def _whole_number(text: str, least: int) -> int:
     if number < least:
         raise argparse.ArgumentTypeError(f"must be a whole number of at least {least}, not {text!r}")
     return number
+
+
+def add_workers(parse: argparse._ActionsContainer) -> None:
+    """Add `--address` and `--cpus` to a parser, or to a group of one."""
+    parse.add_argument("--address", metavar="HOST:PORT", help="of a Ray cluster; default: RAY_ADDRESS, else none")
+    parse.add_argument("--cpus", metavar="N", type=whole_number, help="workers; more than one starts Ray; default: 1")

@@ -15,7 +15,7 @@ from typing import Any
 from geomstats_anim import SCHEMES, __version__
 from geomstats_anim.quality import KINDS
 from usd_tools import comparison_tables, selection
-from usd_tools.arguments import share, whole_number
+from usd_tools.arguments import add_workers, share
 from usd_tools.comparison import RATES, Contender, Outcome, Row, cells
 from usd_tools.comparison_files import ComparedClip, named, write_rebuilt, write_results
 from usd_tools.comparison_run import measure_all
@@ -73,8 +73,7 @@ def parser() -> argparse.ArgumentParser:
         default="hyb",
         help="what learning minimises: places of bone ends (loc), angles of joints (rot), or half of each (default)",
     )
-    parse.add_argument("--cpus", metavar="N", type=whole_number, help="workers; more than one starts Ray; default: 1")
-    parse.add_argument("--address", metavar="HOST:PORT", help="of a Ray cluster; default: RAY_ADDRESS, else none")
+    add_workers(parse)
     selection.add_option(parse)
     return parse
 

@@ -20,7 +20,7 @@ from geomstats_anim.learning.learn import PURPOSES, SCHEMES, SEARCHES
 from geomstats_anim.learning.tpe import TRIALS, TuneSettings
 from geomstats_anim.quality import KINDS
 from usd_tools import learn_report, output, selection
-from usd_tools.arguments import seed, share, whole_number
+from usd_tools.arguments import add_workers, seed, share, whole_number
 from usd_tools.corpus_files import Skipped, files_in, gather, read_clips, take_all
 from usd_tools.errors import Messages, ToolError, run, usd_warnings
 from usd_tools.files import EXTENSIONS, check_output, open_stage, same_file, write_json, written_beside
@@ -103,8 +103,7 @@ def parser() -> argparse.ArgumentParser:
     where = tune.add_mutually_exclusive_group()
     where.add_argument("--folder", metavar="FOLDER", type=Path, help="keep the results of tpe-joint, for TensorBoard")
     where.add_argument("--resume", metavar="FOLDER", type=Path, help="go on with a tpe-joint search that was stopped")
-    tune.add_argument("--address", metavar="HOST:PORT", help="of a Ray cluster; default: RAY_ADDRESS, else none")
-    tune.add_argument("--cpus", metavar="N", type=whole_number, help="workers; more than one starts Ray; default: 1")
+    add_workers(tune)
     tune.add_argument("--wandb", metavar="PROJECT", help="log tpe-joint to Weights & Biases (the extra wandb)")
     return parse
 
