@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from geomstats_anim.learning.objective import Objective
-from geomstats_anim.learning.ray_runtime import require
+from geomstats_anim.learning.ray_runtime import one_place_each, require
 from geomstats_anim.parameters import CurveParameters
 from geomstats_anim.rotations import Array
 from geomstats_anim.shortest import Effort
@@ -126,8 +126,8 @@ class _Spread:
 
     def __init__(self, workers: int, in_memory: int) -> None:
         # an actor that only holds clips takes no processor from those that run trials
-        shelf = require("ray").remote(_Shelf).options(num_cpus=0, scheduling_strategy="SPREAD")
-        self.shelves = [shelf.remote(in_memory) for _ in range(workers)]
+        shelf = require("ray").remote(_Shelf)
+        self.shelves = [shelf.options(num_cpus=0, **there).remote(in_memory) for there in one_place_each(workers)]
         self._n_clips = 0
 
     def add(self, objective: Objective) -> int:

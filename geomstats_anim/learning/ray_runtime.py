@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 _REACHABLE_IN = 5.0
 """Seconds that a cluster has to answer; Ray itself would try for minutes."""
@@ -96,6 +97,28 @@ def running(address: str | None = None, cpus: int | None = None) -> Iterator[int
 
 def _processors(ray: ModuleType) -> int:
     return max(1, int(ray.cluster_resources().get("CPU", 1)))
+
+
+def one_place_each(workers: int) -> list[dict[str, Any]]:
+    """Say to Ray on which node each of several actors belongs: as many to a node as it has processors, then again.
+
+    Ray's own "SPREAD" goes by the processors that an actor takes; those that take none may all end up on one node.
+
+    Parameters
+    ----------
+    workers : int
+
+    Returns
+    -------
+    options : list of dict, length [workers]
+        For `options` of an actor's class.
+    """
+    nodes = [node for node in require("ray").nodes() if node["Alive"]]
+    places = [node["NodeID"] for node in nodes for _ in range(int(node["Resources"].get("CPU", 0)))]
+    affinity = require("ray.util.scheduling_strategies").NodeAffinitySchedulingStrategy
+    return [
+        {"scheduling_strategy": affinity(places[i % len(places)], soft=False)} if places else {} for i in range(workers)
+    ]
 
 
 @contextmanager

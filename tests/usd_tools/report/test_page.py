@@ -140,11 +140,13 @@ def test_player_plays(folder, browser, tmp_path):
     old_eye = tab.evaluate(eye)
     stage = tab.locator("#stage").bounding_box()
     x, y = stage["x"] + stage["width"] / 2, stage["y"] + stage["height"] / 2
-    tab.mouse.move(x, y)
-    tab.mouse.down()
-    tab.mouse.move(x + 120, y + 20, steps=5)
+    for step in range(100):  # drag until a frame is drawn: software rendering may take a second for one
+        tab.mouse.move(x + 5 * (step % 20), y + step % 20)
+        tab.mouse.down()
+        tab.wait_for_timeout(100)
+        if tab.evaluate(eye) != old_eye:
+            break
     tab.mouse.up()
-    tab.wait_for_timeout(500)
     assert tab.evaluate(eye) != old_eye
 
     tab.screenshot(path=tmp_path / "page.png", full_page=True)
