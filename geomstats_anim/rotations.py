@@ -6,8 +6,12 @@ The formulae are those of Sola, "Quaternion kinematics for the error-state Kalma
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from geomstats_anim import elementwise
 
 Array = NDArray[np.float64]
 
@@ -27,16 +31,7 @@ def multiply(left: Array, right: Array) -> Array:
     -------
     product : array-like, shape=[..., 4]
     """
-    (ax, ay, az, aw), (bx, by, bz, bw) = np.moveaxis(left, -1, 0), np.moveaxis(right, -1, 0)
-    return np.stack(
-        [
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-            aw * bw - ax * bx - ay * by - az * bz,
-        ],
-        axis=-1,
-    )
+    return _each(elementwise.multiply, 4, left, right)
 
 
 def conjugate(quaternion: Array) -> Array:
@@ -50,23 +45,18 @@ def normalize(quaternion: Array) -> Array:
 
 
 def cross(left: Array, right: Array) -> Array:
-    """Multiply vectors, shape=[..., 3], several times as fast as `numpy.cross` does on few of them."""
-    (ax, ay, az), (bx, by, bz) = np.moveaxis(left, -1, 0), np.moveaxis(right, -1, 0)
-    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
+    """Multiply vectors, shape=[..., 3], many times as fast as `numpy.cross` does on few of them."""
+    return _each(elementwise.cross, 3, left, right)
 
 
 def rotate(quaternion: Array, vector: Array) -> Array:
     """Rotate vectors, shape=[..., 3], by unit quaternions, shape=[..., 4]."""
-    axis, scalar = quaternion[..., :3], quaternion[..., 3:]
-    twice = 2.0 * cross(axis, vector)
-    return vector + scalar * twice + cross(axis, twice)
+    return _each(elementwise.rotate, 3, quaternion, vector)
 
 
 def exp(rotation_vector: Array) -> Array:
     """Turn rotation vectors, shape=[..., 3] in radians, into unit quaternions, shape=[..., 4]."""
-    half = 0.5 * np.linalg.norm(rotation_vector, axis=-1, keepdims=True)
-    # np.sinc is sin(pi x) / (pi x) and is exact at 0, so no branch is needed.
-    return np.concatenate([0.5 * np.sinc(half / np.pi) * rotation_vector, np.cos(half)], axis=-1)
+    return _each(elementwise.exp, 4, rotation_vector)
 
 
 def log(quaternion: Array) -> Array:
@@ -83,12 +73,7 @@ def log(quaternion: Array) -> Array:
     rotation_vector : array-like, shape=[..., 3]
         Radians, at most pi long.
     """
-    quaternion = np.where(quaternion[..., 3:] < 0.0, -quaternion, quaternion)
-    sine = np.linalg.norm(quaternion[..., :3], axis=-1, keepdims=True)
-    half = np.arctan2(sine, quaternion[..., 3:])
-    # half / sine tends to 1 / cosine = 1 at the identity; dividing by 1 there keeps it free of 0 / 0.
-    ratio = np.where(sine > 0.0, half / np.where(sine > 0.0, sine, 1.0), 1.0)
-    return 2.0 * ratio * quaternion[..., :3]
+    return _each(elementwise.log, 3, quaternion)
 
 
 def angle(quaternion: Array) -> Array:
@@ -98,7 +83,7 @@ def angle(quaternion: Array) -> Array:
 
 def distance(left: Array, right: Array) -> Array:
     """Angles in radians, in [0, pi], between the rotations of unit quaternions, shape=[..., 4]."""
-    return angle(multiply(conjugate(left), right))
+    return _each(elementwise.distance, 1, left, right)[..., 0]
 
 
 def make_continuous(quaternion: Array, axis: int = 0) -> Array:
@@ -171,3 +156,20 @@ def from_matrix(matrix: Array) -> Array:
     largest = np.argmax(np.stack([outer[i, i] for i in range(4)]), axis=0)
     column = np.take_along_axis(outer, largest[None, None], axis=1)[:, 0]
     return normalize(np.moveaxis(column, 0, -1))
+
+
+def _each(kernel: Callable[..., None], width: int, *operands: Array) -> Array:
+    """Apply a compiled loop along all leading axes, broadcast against each other; shape=[..., width]."""
+    shape = operands[0].shape[:-1]
+    if any(operand.shape[:-1] != shape for operand in operands):
+        shape = np.broadcast_shapes(*(operand.shape[:-1] for operand in operands))
+        operands = tuple(np.broadcast_to(operand, (*shape, operand.shape[-1])) for operand in operands)
+    out = np.empty((*shape, width))
+    kernel(*(_plain(operand).reshape(-1, operand.shape[-1]) for operand in operands), out.reshape(-1, width))
+    return out
+
+
+def _plain(operand: Array) -> Array:
+    """Copy arrays that are read-only, strided or of another type, for which kernels would be compiled once more."""
+    is_plain = operand.flags.carray and operand.dtype == np.float64
+    return operand if is_plain else np.array(operand, dtype=np.float64, order="C")
