@@ -34,18 +34,35 @@ def open_stage(path: Path) -> Usd.Stage:
     ToolError
         If there is no such file, or it is not a USD file that can be read.
     """
-    if not path.exists():
-        raise ToolError(f"{path}: there is no such file.")
-    if not path.is_file():
-        raise ToolError(f"{path} is not a file; name a USD file.")
+    check_input(path, "a USD file")
     if path.suffix.lower() not in EXTENSIONS:
         raise ToolError(f"{path} is not a USD file; its name must end in {', '.join(EXTENSIONS)}.")
-    if not os.access(path, os.R_OK):
-        raise ToolError(f"{path} may not be read; change its permissions.")
     try:
         return Usd.Stage.Open(str(path))
     except Tf.ErrorException as error:
         raise ToolError(f"{path} cannot be read as USD: {commentary(error).rstrip('.')}.") from error
+
+
+def check_input(path: Path, what: str) -> None:
+    """Check that a file can be read.
+
+    Parameters
+    ----------
+    path : Path
+    what : str
+        What it should be, for the message.
+
+    Raises
+    ------
+    ToolError
+        If there is no such file, it is a folder, or it may not be read.
+    """
+    if not path.exists():
+        raise ToolError(f"{path}: there is no such file.")
+    if not path.is_file():
+        raise ToolError(f"{path} is not a file; name {what}.")
+    if not os.access(path, os.R_OK):
+        raise ToolError(f"{path} may not be read; change its permissions.")
 
 
 def check_output(path: Path, argument: str) -> None:

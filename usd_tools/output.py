@@ -18,8 +18,21 @@ from usd_tools.skel_writer import OverrideLayer, save, save_in_place
 def add_options(parse: argparse.ArgumentParser) -> None:
     """Add the options that say how a USD file is written."""
     parse.add_argument("-f", "--flatten", action="store_true", help="write one file that does not need the source")
-    parse.add_argument("--usdFormat", choices=("usda", "usdc"), help="for an OUT that ends in .usd; default: usdc")
+    add_format(parse)
     parse.add_argument("--in-place", action="store_true", help="change IN itself")
+
+
+def add_format(parse: argparse.ArgumentParser) -> None:
+    """Add the option for the format of a name that does not tell it."""
+    parse.add_argument("--usdFormat", choices=("usda", "usdc"), help="for an OUT that ends in .usd; default: usdc")
+
+
+def written(path: Path, rate: float) -> str:
+    """Tell that a file is written, and what whoever plays it in Blender has to know."""
+    return (
+        f"{path} is written: {rate:g} time codes a second. Blender does not take the rate from the file: set the scene "
+        f"to {rate:g} frames a second there."
+    )
 
 
 @dataclass(frozen=True)

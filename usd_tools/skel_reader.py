@@ -18,6 +18,9 @@ from usd_tools.errors import ToolError
 JOINT_CHANNELS = ("rotations", "translations", "scales")
 """Channels of which every joint has one element."""
 
+BONE_ENDS = "geomstatsAnim:boneEnds"
+"""Custom double3[] of a Skeleton: the end of each joint's bone in its own frame, in the file's unit."""
+
 
 @dataclass(frozen=True)
 class AnimationSource:
@@ -330,12 +333,16 @@ def _skeleton(
     lengths = _bone_lengths(bound, len(own)) if len(own) else []
     translations = translations[order] * scale
     bone_lengths = [lengths[i] * scale if i < len(lengths) else None for i in order]
+    bone_ends = default_bone_ends(parents, translations, bone_lengths)
+    authored = _bone_ends(bound, len(own)) if own else None
+    if authored is not None:
+        bone_ends[rank[: len(own)]] = authored * scale
     skeleton = Skeleton(
         [names[i] for i in order],  # type: ignore[arg-type]
         parents,
         translations,
         rotations[order],
-        default_bone_ends(parents, translations, bone_lengths),
+        bone_ends,
     )
     return skeleton, rank[columns], rest is not None and set(joints) <= set(own)
 
@@ -373,3 +380,17 @@ def _bone_lengths(skeleton: UsdSkel.Skeleton, n_joints: int) -> list[float]:
     primvar = UsdGeom.PrimvarsAPI(skeleton).GetPrimvar("blender:bone_lengths")
     lengths = list(primvar.Get() or ()) if primvar else []
     return lengths if len(lengths) == n_joints else []
+
+
+def _bone_ends(skeleton: UsdSkel.Skeleton, n_joints: int) -> np.ndarray | None:
+    """Read the ends of the joints' bones, in the file's units; None where they are not authored."""
+    attribute = skeleton.GetPrim().GetAttribute(BONE_ENDS)
+    value = attribute.Get() if attribute else None
+    if value is None:
+        return None
+    if not isinstance(value, Vt.Vec3dArray) or len(value) != n_joints or not np.isfinite(np.array(value)).all():
+        raise ToolError(
+            f"{skeleton.GetPath()}: {BONE_ENDS} must be a double3[] of {n_joints} finite vectors, one for each joint; "
+            "correct or remove it."
+        )
+    return np.array(value)

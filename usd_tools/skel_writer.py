@@ -35,6 +35,11 @@ _NOT_COPIED = {
 """What a layer says of itself, and not of the stage."""
 
 
+def made_by(tool: str, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Entry of `customLayerData` that says what made a file: tool, version and settings, plain values."""
+    return {TOOL: {"tool": tool, "version": __version__, "settings": dict(settings)}}
+
+
 class OverrideLayer:
     """A layer that changes animations of a stage and leaves everything else to it by composition.
 
@@ -79,8 +84,7 @@ class OverrideLayer:
                 self.layer.startTimeCode = root.startTimeCode * self.stretch
             if root.HasEndTimeCode():
                 self.layer.endTimeCode = root.endTimeCode * self.stretch
-        made_by = {"tool": tool, "version": __version__, "settings": dict(settings)}
-        self.layer.customLayerData = {**root.customLayerData, TOOL: made_by}
+        self.layer.customLayerData = {**root.customLayerData, **made_by(tool, settings)}
 
     def write_animation(
         self,
@@ -179,6 +183,22 @@ def save_in_place(override: OverrideLayer, source: Path) -> None:
         _export(override.layer, beside, ("usdc" if is_binary else "usda") if source.suffix == ".usd" else None)
 
 
+def save_layer(layer: Sdf.Layer, out: Path, usd_format: str | None = None) -> None:
+    """Write a layer that needs no other file; see `save`.
+
+    Raises
+    ------
+    ToolError
+        If it cannot be written.
+    """
+    with written_beside(out) as beside:
+        if out.suffix == ".usdz":
+            with tempfile.TemporaryDirectory(prefix=TEMPORARY) as folder:
+                _pack(layer, Path(folder) / f"{out.stem}.usdc", beside)
+        else:
+            _export(layer, beside, usd_format)
+
+
 def _export(layer: Sdf.Layer, path: Path, usd_format: str | None) -> None:
     arguments = {"format": usd_format or "usdc"} if path.suffix == ".usd" else {}
     if not layer.Export(str(path), args=arguments):
@@ -210,12 +230,18 @@ def _save_package(override: Sdf.Layer, source: Path, out: Path, flatten: bool) -
         while root.exists():
             root = root.with_stem(f"{root.stem}_over")
         if flatten:
-            _export(_flattened(override, source, root.parent), root, None)
+            layer = _flattened(override, source, root.parent)
         else:
-            override.subLayerPaths = [os.path.abspath(source)]
-            _export(override, root, None)
-        if not UsdUtils.CreateNewUsdzPackage(str(root), str(out)):
-            raise ToolError(f"{out.name} cannot be packed; does every file that the source needs exist?")
+            layer = override
+            layer.subLayerPaths = [os.path.abspath(source)]
+        _pack(layer, root, out)
+
+
+def _pack(layer: Sdf.Layer, root: Path, out: Path) -> None:
+    """Write a layer to a file, and that with all that it needs to a usdz package."""
+    _export(layer, root, None)
+    if not UsdUtils.CreateNewUsdzPackage(str(root), str(out)):
+        raise ToolError(f"{out.name} cannot be packed; does every file that the source needs exist?")
     _forget_times(out)
 
 

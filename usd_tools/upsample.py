@@ -211,8 +211,7 @@ def _tell_playback(args: argparse.Namespace, target: Output, stage: Usd.Stage) -
     if args.dry_run:
         print("Nothing is written: this is a dry run.")
         return
-    print(f"{target.path} is written: {rate:g} time codes a second. Blender does not "
-          f"take the rate from the file: set the scene to {rate:g} frames a second there.")  # fmt: skip
+    print(output.written(target.path, rate))
 
 
 def _settings(args: argparse.Namespace) -> dict[str, Any]:

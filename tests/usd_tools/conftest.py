@@ -4,15 +4,17 @@ import json
 
 import pytest
 
-from usd_tools import compare, inspect, learn, upsample
+from usd_tools import compare, from_bvh, inspect, learn, upsample
 
 
 @pytest.fixture
 def run(capsys):
     """Call a verb in process; give its exit code, stdout and stderr."""
 
+    verbs = {"upsample": upsample, "inspect": inspect, "learn": learn, "compare": compare, "from_bvh": from_bvh}
+
     def call(verb, *arguments):
-        main = {"upsample": upsample, "inspect": inspect, "learn": learn, "compare": compare}[verb].main
+        main = verbs[verb].main
         capsys.readouterr()
         try:
             code = main([str(argument) for argument in arguments])

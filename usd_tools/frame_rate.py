@@ -1,0 +1,50 @@
+"""Frames a second, from a frame time that a file gives with few digits."""
+
+from __future__ import annotations
+
+from decimal import ROUND_DOWN, Context, Decimal
+
+USUAL = tuple(map(Decimal, (12, 15, 24, 25, 30, 48, 50, 60, 72, 90, 96, 100, 120, 144, 150, 180, 200, 240)))
+"""What cameras and motion capture record at."""
+
+NTSC = tuple(Decimal(1000 * rate) / 1001 for rate in (24, 30, 48, 60, 120))
+"""Those of American television: 23.976, 29.97, and so on."""
+
+SINGLE_PRECISION = Decimal("1e-6")
+"""What single precision, and a few digits more, leave of a number."""
+
+
+def frame_rate(frame_time: Decimal) -> float:
+    """Take the rate whose frame time is rounded, or cut off, to the given digits.
+
+    Of rates that come to the same digits, a usual one is taken before one of television, and that before any whole one:
+    0.0083333 is 120, 0.0333667 is 30000 / 1001. Where there is none, the digits are taken by the word.
+
+    Parameters
+    ----------
+    frame_time : Decimal
+        Seconds from frame to frame, with the digits of the file.
+
+    Returns
+    -------
+    rate : float
+        Frames a second.
+    """
+    written = Context(prec=17).plus(frame_time)
+    whole = max(Decimal(1), (1 / written).to_integral_value())
+    if _is_near(1 / whole, written):
+        return float(whole)
+    for rates in (USUAL, NTSC, (whole,)):
+        fitting = [rate for rate in rates if _comes_to(1 / rate, written)]
+        if fitting:
+            return float(min(fitting, key=lambda rate: abs(1 / rate - written)))
+    return float(1 / frame_time)
+
+
+def _comes_to(exact: Decimal, written: Decimal) -> bool:
+    """Whether a number has the written digits, be they rounded or cut off."""
+    return _is_near(exact, written) or written in (exact.quantize(written), exact.quantize(written, ROUND_DOWN))
+
+
+def _is_near(exact: Decimal, written: Decimal) -> bool:
+    return abs(exact - written) <= SINGLE_PRECISION * written

@@ -1,0 +1,42 @@
+"""Names of joints that USD takes, from names that are free text."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pxr import Sdf, Tf
+
+
+def joint_paths(names: Sequence[str], parents: Sequence[int]) -> list[str]:
+    """Make the full path tokens of joints.
+
+    Parameters
+    ----------
+    names : sequence of str, shape=[B]
+    parents : sequence of int, shape=[B]
+        Index of each joint's parent, -1 for a root. Parents come before their children.
+
+    Returns
+    -------
+    paths : list of str, shape=[B]
+        Their last parts are identifiers, none of them twice.
+    """
+    valid = [name if Sdf.Path.IsValidIdentifier(name) else Tf.MakeValidIdentifier(name) for name in names]
+    paths: list[str] = []
+    for identifier, parent in zip(unique(valid), parents, strict=True):
+        paths.append(f"{paths[parent]}/{identifier}" if parent >= 0 else identifier)
+    return paths
+
+
+def unique(names: Sequence[str]) -> list[str]:
+    """Tell names apart that repeat: the second ends in _1, the third in _2; names that are taken are passed over."""
+    taken, told_apart = set(names), []
+    seen: set[str] = set()
+    for name in names:
+        new, number = name, 0
+        while new in seen or (number and new in taken):
+            number += 1
+            new = f"{name}_{number}"
+        seen.add(new)
+        told_apart.append(new)
+    return told_apart
