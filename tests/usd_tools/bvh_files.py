@@ -48,6 +48,33 @@ Frame Time: {time}
 """
 """Channels in any mix: positions on a joint that is no root, one rotation, two, and a leaf without an end site."""
 
+CHAIN = """HIERARCHY
+ROOT Low
+{
+  OFFSET 1 2 3
+  CHANNELS 6 Zposition Xposition Yposition Yrotation Zrotation Xrotation
+  JOINT Middle
+  {
+    OFFSET 0 4 1
+    CHANNELS 6 Xrotation Xposition Zrotation Zposition Yrotation Yposition
+    JOINT High
+    {
+      OFFSET 3 0 0
+      CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+      End Site
+      {
+        OFFSET 1 1 0
+      }
+    }
+  }
+}
+MOTION
+Frames: {frames}
+Frame Time: {time}
+{rows}
+"""
+"""What Blender reads too: three rotations a joint, and at most one end site."""
+
 N_CHANNELS = 18
 
 
