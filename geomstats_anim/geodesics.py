@@ -162,7 +162,7 @@ class PoseGeodesics:
         initial: Array,
         end: Array,
         parameters: MetricParameters,
-        near: PoseGeodesics | None = None,
+        near: Array | None = None,
         effort: Effort = "thorough",
     ) -> PoseGeodesics:
         """Find the shortest geodesics between poses.
@@ -172,8 +172,9 @@ class PoseGeodesics:
         initial, end : array-like, shape=[n, B, 4]
             Unit quaternions.
         parameters : MetricParameters
-        near : PoseGeodesics
-            Those of a similar metric between the same poses, to start from.
+        near : array-like, shape=[n, B, 3]
+            Velocities, as in the attribute, of those of a similar metric on the same side; not a number where none is
+            known. They help where a guess is not enough.
             Optional, default: None.
         effort : str
             "thorough", or "quick", for learning: see `shortest_momenta`.
@@ -194,7 +195,7 @@ class PoseGeodesics:
         start = None
         if near is not None:
             outward = np.where(is_right, -1.0, 1.0)
-            start = (moments * parameters.along_axes(outward * near.velocity)).reshape(-1, 3)
+            start = (moments * parameters.along_axes(outward * near)).reshape(-1, 3)
         found = shortest_momenta(moments.reshape(-1, 3), vector.reshape(-1, 3), start, effort)
 
         shape = vector.shape[:-1]

@@ -175,6 +175,12 @@ class MetricParameters:
         """Undo `along_axes`."""
         return vectors if self.axes is None else quat.rotate(quat.conjugate(self.axes_quaternions), vectors)
 
+    def at(self, joints: np.ndarray) -> MetricParameters:
+        """Take some joints, by their indices, shape=[J]."""
+        axes = None if self.axes is None else self.axes[joints]
+        sides = tuple(self.invariance[joint] for joint in joints)
+        return MetricParameters(self.alpha[joints], self.beta[joints], axes, sides)
+
     @property
     def matrices(self) -> Array:
         """Matrices Z at the identity, shape=[B, 3, 3]."""
@@ -237,6 +243,10 @@ class CurveParameters:
         """Curve of a scheme with the bi-invariant metric: slerp, or the spline that is its like."""
         make = cls.spline if scheme == "geodesic-spline" else cls.geodesic
         return make(MetricParameters.identity(n_joints))
+
+    def at(self, joints: np.ndarray) -> CurveParameters:
+        """Take some joints, by their indices, shape=[J]."""
+        return CurveParameters(self.metric.at(joints), self.tension[joints], self.translation_tension[joints])
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,7 +24,7 @@ _SEARCH_PART = 256
 
 _CERTAIN = 1.0 + 1e-12
 _SHORTER = 1.0 - 1e-9
-_NO_LONGER = 1.0 + 1e-6
+_NO_LONGER, _NOTHING = 1.0 + 1e-6, 1e-10
 """Slack for the miss of the end point, of short turns above all, where the turn about one axis is the geodesic."""
 
 
@@ -103,11 +103,11 @@ def shortest_momenta(moments: Array, vector: Array, start: Array | None = None, 
     vector : array-like, shape=[n, 3]
         Shortest rotation vectors of the targets, radians.
     start : array-like, shape=[n, 3]
-        Momenta to start from.
-        Optional, default: None, a guess.
+        Momenta to try where a guess is not enough; not a number where none is known.
+        Optional, default: None.
     effort : str
-        "thorough": certify what Newton's method finds from the start, and search everywhere where that fails. "quick":
-        take it, unless it is nothing, or longer than a turn about one axis.
+        "thorough": certify what Newton's method finds, and search everywhere where that fails. "quick": take it unless
+        it is nothing, or longer than a turn about one axis, and then the best of what continuation finds.
         Optional, default: "thorough".
 
     Returns
@@ -116,19 +116,36 @@ def shortest_momenta(moments: Array, vector: Array, start: Array | None = None, 
     """
     # copies: the kernels would be compiled once more for arrays that are read-only or of another type
     moments, vector = (np.array(values, dtype=np.float64, order="C") for values in (moments, vector))
-    best = _shoot(moments, vector, start)
-    too_long = ~(best.energy <= _NO_LONGER * _bi_invariant_energy(moments, vector))
-    index = _doubtful(best, moments) if effort == "thorough" else np.flatnonzero(too_long)
+    doubtful = _doubtful if effort == "thorough" else _too_long
+    search = _search_everywhere if effort == "thorough" else _follow
+    best = _shoot(moments, vector)
+    index = doubtful(best, moments, vector)
+    if start is not None and len(index):
+        best.keep_better(index, _shoot(moments[index], vector[index], start[index]))
+        index = index[doubtful(best.at(index), moments[index], vector[index])]
     for begin in range(0, len(index), _SEARCH_PART):
         part = index[begin : begin + _SEARCH_PART]
-        best.replace(part, _search_everywhere(moments[part], vector[part]))
+        best.replace(part, search(moments[part], vector[part]))
     return best
 
 
-def _doubtful(shots: Shots, moments: Array) -> np.ndarray:
+def _doubtful(shots: Shots, moments: Array, vector: Array) -> np.ndarray:
     """Find those that were not found, or may not be the shortest."""
     certain = (shots.status == CONVERGED) & (np.sqrt(shots.energy) <= _CERTAIN * injectivity_radius(moments))
     return np.flatnonzero(~certain)
+
+
+def _too_long(shots: Shots, moments: Array, vector: Array) -> np.ndarray:
+    """Find those that were not found, or are certainly not the shortest."""
+    bound = _NO_LONGER * np.sqrt(_bi_invariant_energy(moments, vector)) + _NOTHING
+    return np.flatnonzero(~(np.sqrt(shots.energy) <= bound))
+
+
+def _follow(moments: Array, vector: Array) -> Shots:
+    """Find geodesics by continuation in the metric, either way round, and keep the shorter."""
+    best = _shoot(moments, vector, may_follow=True)
+    best.keep_better(np.arange(len(vector)), _shoot(moments, _long_way(vector), may_follow=True))
+    return best
 
 
 def _search_everywhere(moments: Array, vector: Array) -> Shots:
@@ -139,9 +156,8 @@ def _search_everywhere(moments: Array, vector: Array) -> Shots:
     """
     largest = np.take_along_axis(vector, np.abs(vector).argmax(axis=1)[:, None], axis=1)
     vector = np.where(largest < 0.0, -vector, vector)
-    best = _shoot(moments, vector, may_follow=True)
-    best.keep_better(np.arange(len(vector)), _shoot(moments, _long_way(vector), may_follow=True))
-    index = _doubtful(best, moments)
+    best = _follow(moments, vector)
+    index = _doubtful(best, moments, vector)
     if len(index):
         found = best.at(index)
         _survey(moments[index], vector[index], found)

@@ -28,8 +28,8 @@ class PoseSpline:
         Unit quaternions.
     parameters : MetricParameters
     tension : array-like, shape=[B]
-    near : PoseSpline
-        One of a similar metric through the same keys, to start from.
+    near : array-like, shape=[K - 1, B, 3]
+        Velocities of geodesics of a similar metric, see `PoseGeodesics.between`.
         Optional, default: None.
     effort : str
         "thorough", or "quick", for learning: see `shortest_momenta`.
@@ -47,12 +47,11 @@ class PoseSpline:
         keys: Array,
         parameters: MetricParameters,
         tension: Array,
-        near: PoseSpline | None = None,
+        near: Array | None = None,
         effort: Effort = "thorough",
     ) -> None:
         self._durations = np.diff(times)
-        before = None if near is None else near.geodesics
-        self.geodesics: PoseGeodesics = PoseGeodesics.between(keys[:-1], keys[1:], parameters, before, effort)
+        self.geodesics: PoseGeodesics = PoseGeodesics.between(keys[:-1], keys[1:], parameters, near, effort)
         self._velocities = None
         if tension.any():
             per_second = 1.0 / self._durations[:, None, None]

@@ -58,6 +58,12 @@ class Corpus:
         values, gradients = zip(*self._clips.each(Objective.value_and_gradient, curve), strict=True)
         return float(self._weigh(values)), np.asarray(self._weigh(gradients))
 
+    def rotation_errors_and_gradient(self, curve: CurveParameters, joints: np.ndarray) -> tuple[Array, Array]:
+        """Rotation errors, and their derivatives, of some joints, as `Objective.rotation_errors_and_gradient`."""
+        run = partial(Objective.rotation_errors_and_gradient, joints=joints)
+        errors, gradients = zip(*self._clips.each(run, curve), strict=True)
+        return np.asarray(self._weigh(errors)), np.asarray(self._weigh(gradients))
+
     def rotation_errors_by_joint(self, curve: CurveParameters, effort: Effort = "thorough") -> Array:
         """Mean rotation error of each joint, radians, shape=[B]; its minima are independent."""
         return np.asarray(self._mean(partial(Objective.rotation_errors_by_joint, effort=effort), curve))

@@ -13,6 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 from scipy.optimize import minimize
 
+from geomstats_anim.learning.separable import minimize_each
 from geomstats_anim.parameters import INVARIANCES, MAX_TENSION, CurveParameters, MetricParameters
 from geomstats_anim.rotations import Array
 from geomstats_anim.shortest import Effort
@@ -27,6 +28,9 @@ _GRID = np.linspace(-2.0, 2.0, 5)
 _ROUGHLY = {"maxiter": 60, "ftol": 1e-5}
 _EXACTLY = {"maxiter": 100, "ftol": 1e-7}
 """When L-BFGS-B stops: starts are followed roughly, the best exactly; ftol is in shares of the start's value."""
+
+_REFINED, _MAX_ROUNDS = 1e-6, 100
+"""When a single joint's descent stops, in shares of its error at the start, or in rounds."""
 
 _HELPS = 1.0 - 1e-6
 """A point counts as better if it leaves at most this share of an error."""
@@ -43,6 +47,8 @@ _TILTED = 150
 class Learnable(Protocol):
     """What a search needs of its objective."""
 
+    kind: str
+
     def value(self, curve: CurveParameters) -> float:
         """Return the quality; 0 is perfect."""
         ...
@@ -57,6 +63,10 @@ class Learnable(Protocol):
 
     def rotation_errors_by_joint(self, curve: CurveParameters, effort: Effort = "thorough") -> Array:
         """Return the weighted rotation error of each joint, shape=[B], which depends on its own parameters only."""
+        ...
+
+    def rotation_errors_and_gradient(self, curve: CurveParameters, joints: np.ndarray) -> tuple[Array, Array]:
+        """Return the same of some joints, shape=[J], and its derivative, shape=[J, 7]; the curve is theirs alone."""
         ...
 
 
@@ -107,19 +117,20 @@ def search_gradient(
     check_words(family, invariance)
     sides = INVARIANCES if invariance in ("clip", "joint") else (invariance,)
     search = _Search(objective, n_joints, _free_columns(family, scheme), sides, invariance != "joint", progress)
-    starts = {side: search.grid(side) for side in sides}
-    if invariance == "joint" and not rough:
-        best = np.argmin([errors for _, errors in starts.values()], axis=0)
-        mixed = tuple(sides[i] for i in best)
-        points = np.stack([point for point, _ in starts.values()])
-        search.descend(points[best, np.arange(n_joints)], mixed, _ROUGHLY)
-        search.try_other_sides(dict(zip(sides, points, strict=True)))
-    for side, (point, _) in starts.items():
-        search.descend(point, (side,) * n_joints, _ROUGHLY)
-    if rough:
-        return search.found
-    search.descend(search.best_point, search.best_sides, _EXACTLY)
-    if family == "spd":
+    grids = {side: search.grid(side) for side in sides}
+    fits = {side: search.refine(*best, (side,) * n_joints) for side, best in grids.items()}
+    for side, (point, _) in fits.items():
+        search.offer_by_joint(point, (side,) * n_joints)
+    # what is best for rotations may be far from what is best for bone ends alone
+    starts = [fits, grids] if objective.kind == "loc" else [fits]
+    for start in starts:
+        if invariance == "joint":
+            search.try_other_sides({side: point for side, (point, _) in start.items()})
+        if invariance == "clip" or len(starts) > 1:
+            for side, (point, _) in start.items():
+                search.descend(point, (side,) * n_joints, _ROUGHLY)
+    search.descend(search.best_point, search.best_sides, _ROUGHLY if rough else _EXACTLY)
+    if family == "spd" and not rough:
         search.tilt()
         search.descend(search.best_point, search.best_sides, _EXACTLY)
     return search.found
@@ -225,6 +236,28 @@ class _Search:
         point = np.where(helps[:, None], points[best, np.arange(self.n_joints)], self._base)
         return point, np.where(helps, least, self._base_errors)
 
+    def refine(self, point: Array, errors: Array, sides: tuple[str, ...]) -> tuple[Array, Array]:
+        """Follow the gradient of each joint's own rotation error, and tell where and what it comes to."""
+        free = [column for column in self._free if column != _TRANSLATION_TENSION]
+
+        def placed(values: Array, joints: np.ndarray) -> Array:
+            current = point[joints].copy()
+            current[:, free] = values
+            return current
+
+        def evaluate(values: Array, joints: np.ndarray) -> tuple[Array, Array]:
+            self.evaluations += 1
+            current = placed(values, joints)
+            curve = self.curve(current, [sides[joint] for joint in joints])
+            errors, gradient = self.objective.rotation_errors_and_gradient(curve, joints)
+            self._progress(self.evaluations, self.best_value)
+            return errors, _by_coordinates(gradient, current)[:, free]
+
+        lower, upper = np.transpose([_BOUNDS[column] for column in free])
+        tolerance = _REFINED * np.maximum(self._base_errors, 1e-12)
+        values, errors, curvature = minimize_each(evaluate, point[:, free], lower, upper, tolerance, _MAX_ROUNDS)
+        return placed(values, np.arange(self.n_joints)), errors
+
     def descend(self, point: Array, sides: tuple[str, ...], stop: dict[str, float]) -> None:
         """Follow the gradient from a point."""
         unit = max(self._base_value, 1e-12)
@@ -239,10 +272,8 @@ class _Search:
             current = placed(flat)
             value, gradient = self.objective.value_and_gradient(self.curve(current, sides))
             self._progress(self.evaluations, min(self.best_value, value))
-            # the gradient is by a turn from the left, the point holds a rotation vector
-            gradient[:, _AXES] = np.einsum("bij,bi->bj", left_jacobian(current[:, _AXES]), gradient[:, _AXES])
             # in units of the start's value, so that tolerances mean the same for metres and radians
-            return value / unit, gradient[:, self._free].ravel() / unit
+            return value / unit, _by_coordinates(gradient, current)[:, self._free].ravel() / unit
 
         options: Any = {"maxcor": 20, "gtol": 1e-7, **stop}
         result = minimize(
@@ -275,26 +306,31 @@ class _Search:
         trials = np.concatenate(
             [random.uniform(_GRID[0], _GRID[-1], (_TILTED, 2)), random.normal(0.0, 1.5, (_TILTED, 3))], axis=1
         )
-        self.descend(diagonal, diagonal_sides, _ROUGHLY)
-        _, errors = self._offer(diagonal, diagonal_sides)
-        point, chosen = diagonal.copy(), list(diagonal_sides)
+        point, chosen, least = diagonal.copy(), list(diagonal_sides), np.full(self.n_joints, np.inf)
         for number, trial in enumerate(trials):
             side = self._sides[number % len(self._sides)]
             trial_sides = diagonal_sides if self._one_side else (side,) * self.n_joints
             trial_point = diagonal.copy()
             trial_point[:, [*_MOMENTS, *_AXES]] = trial
             trial_errors = self._rotation_errors(trial_point, trial_sides)
-            better = np.flatnonzero(trial_errors < _HELPS * errors)
-            point[better], errors[better] = trial_point[better], trial_errors[better]
+            better = np.flatnonzero(trial_errors < least)
+            point[better], least[better] = trial_point[better], trial_errors[better]
             for joint in better:
                 chosen[joint] = trial_sides[joint]
-        self.descend(point, tuple(chosen), _ROUGHLY)
+        for start, sides in ((diagonal, diagonal_sides), (point, tuple(chosen))):
+            self.offer_by_joint(self.refine(start, least, sides)[0], sides)
 
     def _rotation_errors(self, point: Array, sides: tuple[str, ...]) -> Array:
         self.evaluations += 1
         errors = self.objective.rotation_errors_by_joint(self.curve(point, sides), "quick")
         self._progress(self.evaluations, self.best_value)
         return errors
+
+
+def _by_coordinates(gradient: Array, point: Array) -> Array:
+    """Derive by the axes' rotation vector instead of by a turn from the left."""
+    by_vector = np.einsum("bij,bi->bj", left_jacobian(point[:, _AXES]), gradient[:, _AXES])
+    return np.concatenate([gradient[:, _MOMENTS], by_vector, gradient[:, _TENSIONS]], axis=1)
 
 
 def left_jacobian(vector: Array) -> Array:

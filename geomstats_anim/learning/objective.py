@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +11,7 @@ from geomstats_anim import rotations as quat
 from geomstats_anim.animation import Animation
 from geomstats_anim.curves import locate
 from geomstats_anim.kinematics import place, pull_back_ends, world_pose
+from geomstats_anim.learning.memory import RotationMemory
 from geomstats_anim.parameters import CurveParameters
 from geomstats_anim.quality import joint_weights, kind_shares
 from geomstats_anim.rotations import Array
@@ -46,7 +47,6 @@ class Objective:
     weights: str | ArrayLike | None = None
     location_weight: float = 0.5
     scored: np.ndarray | None = None
-    _last: PoseSpline | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         """Prepare what does not depend on the metric."""
@@ -59,6 +59,9 @@ class Objective:
         self._counts = scored
         by_joint = joint_weights(self.weights, animation.skeleton) / max(1, scored.sum())
         self._weights = scored[:, None] * by_joint
+        self._memory = RotationMemory()
+        # the last geodesics of each side help to find the next
+        self._velocities = np.full((2, keys.n_joints, keys.n_frames - 1, 3), np.nan)
         self._truth = world_pose(animation).ends
 
     @property
@@ -68,23 +71,44 @@ class Objective:
 
     def only(self, segments: np.ndarray) -> Objective:
         """Score only the frames of some segments."""
-        return replace(self, scored=self._counts & np.isin(self._segment, segments), _last=None)
+        return replace(self, scored=self._counts & np.isin(self._segment, segments))
 
     def without(self, segments: np.ndarray) -> Objective:
         """Score only the frames of the other segments."""
-        return replace(self, scored=self._counts & ~np.isin(self._segment, segments), _last=None)
+        return replace(self, scored=self._counts & ~np.isin(self._segment, segments))
 
     def rotation_errors_by_joint(self, curve: CurveParameters, effort: Effort = "thorough") -> Array:
         """Weighted mean rotation error of each joint, radians, shape=[B]; its minima are independent."""
-        rotations = self._spline(curve, effort)(self._segment, self._fraction)
+        rotations = self._rotations(curve) if effort == "thorough" else self._rebuilt(curve, "quick")
         return (self._weights * _smooth(quat.distance(self.animation.rotations, rotations))).sum(axis=0)
+
+    def rotation_errors_and_gradient(self, curve: CurveParameters, joints: np.ndarray) -> tuple[Array, Array]:
+        """Rotation errors as in `rotation_errors_by_joint`, each with its derivative by its own joint's parameters.
+
+        Parameters
+        ----------
+        curve : CurveParameters
+            Of these joints only.
+        joints : array-like of int, shape=[J]
+
+        Returns
+        -------
+        errors : array-like, shape=[J]
+        gradient : array-like, shape=[J, 7]
+            As in `value_and_gradient`.
+        """
+        spline = self._spline(curve, "quick", joints)
+        rotations = spline(self._segment, self._fraction)
+        errors, cotangent = _turned_apart(self.animation.rotations[:, joints], rotations, self._weights[:, joints])
+        by_metric, by_tension = spline.pull_back(self._segment, self._fraction, rotations, cotangent)
+        return errors, np.concatenate([by_metric, by_tension[:, None], np.zeros((len(joints), 1))], axis=1)
 
     def errors_by_joint(self, curve: CurveParameters) -> Array:
         """Rotation error of each joint, and its part of the quality, shape=[2, B]; the parts add up to `value`.
 
         A rotation error depends on the metric and tension of its own joint, a part on those of the joints above it too.
         """
-        rotations = self._spline(curve, "thorough")(self._segment, self._fraction)
+        rotations = self._rotations(curve)
         rotation = _smooth(quat.distance(self.animation.rotations, rotations))
         part = self._shares.rotation * rotation
         if self._shares.location:
@@ -100,28 +124,18 @@ class Objective:
     def value_and_gradient(self, curve: CurveParameters) -> tuple[float, Array]:
         """Quality, and its derivative.
 
-        The geodesics are followed from those of the last call, if it had the same sides, which is quick.
-
         Returns
         -------
         value : float
         gradient : array-like, shape=[B, 7]
             By log alpha, log beta, a rotation vector that turns the axes from the left, and both tensions.
         """
-        near = self._last
-        if near is not None and near.geodesics.parameters.invariance != curve.metric.invariance:
-            near = None
-        spline = self._last = self._spline(curve, "quick", near)
+        spline = self._spline(curve, "quick")
         rotations = spline(self._segment, self._fraction)
         skeleton = self.animation.skeleton
-        value, by_translation_tension = 0.0, np.zeros(skeleton.n_joints)
-        cotangent = np.zeros((*rotations.shape[:2], 3))
-        if self._shares.rotation:
-            miss = quat.log(quat.multiply(quat.conjugate(self.animation.rotations), rotations))
-            angle = np.linalg.norm(miss, axis=-1)
-            weights = self._shares.rotation * self._weights
-            value += float((_smooth(angle) * weights).sum())
-            cotangent += miss * (weights / np.hypot(angle, SMOOTHING))[..., None]
+        by_translation_tension = np.zeros(skeleton.n_joints)
+        errors, cotangent = _turned_apart(self.animation.rotations, rotations, self._shares.rotation * self._weights)
+        value = float(errors.sum())
         if self._shares.location:
             path = self._path(curve)
             pose = place(skeleton, rotations, path(self._segment, self._fraction))
@@ -135,9 +149,20 @@ class Objective:
         by_tensions = np.stack([by_tension, by_translation_tension], axis=-1)
         return value, np.concatenate([by_metric, by_tensions], axis=-1)
 
-    def _spline(self, curve: CurveParameters, effort: Effort, near: PoseSpline | None = None) -> PoseSpline:
-        keys = self._keys
-        return PoseSpline(keys.times, keys.rotations, curve.metric, curve.tension, near, effort)
+    def _rotations(self, curve: CurveParameters) -> Array:
+        """Rotations of a curve whose geodesics are searched for thoroughly, shape=[F, B, 4]; not to be written to."""
+        return self._memory.recall(curve, lambda part, joints: self._rebuilt(part, "thorough", joints))
+
+    def _rebuilt(self, curve: CurveParameters, effort: Effort, joints: np.ndarray | None = None) -> Array:
+        return self._spline(curve, effort, joints)(self._segment, self._fraction)
+
+    def _spline(self, curve: CurveParameters, effort: Effort, joints: np.ndarray | None = None) -> PoseSpline:
+        keys, sides = self._keys, curve.metric.is_right.astype(np.intp)
+        joints = np.arange(keys.n_joints) if joints is None else joints
+        near = self._velocities[sides, joints].swapaxes(0, 1) if effort == "quick" else None
+        spline = PoseSpline(keys.times, keys.rotations[:, joints], curve.metric, curve.tension, near, effort)
+        self._velocities[sides, joints] = spline.geodesics.velocity.swapaxes(0, 1)
+        return spline
 
     def _path(self, curve: CurveParameters) -> PathSpline:
         return PathSpline(self._keys.times, self._keys.translations, curve.translation_tension)
@@ -145,3 +170,11 @@ class Objective:
 
 def _smooth(angle: Array) -> Array:
     return np.hypot(angle, SMOOTHING) - SMOOTHING
+
+
+def _turned_apart(truth: Array, rotations: Array, weights: Array) -> tuple[Array, Array]:
+    """Sum rotation errors over frames, shape=[B], and derive them by the body variation of the rotations."""
+    miss = quat.log(quat.multiply(quat.conjugate(truth), rotations))
+    angle = np.linalg.norm(miss, axis=-1)
+    cotangent = miss * (weights / np.hypot(angle, SMOOTHING))[..., None]
+    return (_smooth(angle) * weights).sum(axis=0), cotangent

@@ -47,7 +47,9 @@ def differences(initial, end, parameters, coefficients, step=1e-4):
     for direction in range(5):
         values = []
         for factor in (-2.0, -1.0, 1.0, 2.0):
-            near = PoseGeodesics.between(initial, end, samples.moved(parameters, direction, factor * step), geodesics)
+            near = PoseGeodesics.between(
+                initial, end, samples.moved(parameters, direction, factor * step), geodesics.velocity
+            )
             values.append(scalars(near(INDEX, PARAMETER), coefficients))
         out[:, direction] = (values[0] - 8.0 * values[1] + 8.0 * values[2] - values[3]) / (12.0 * step)
     return out

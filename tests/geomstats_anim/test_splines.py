@@ -293,7 +293,7 @@ def test_the_derivative_against_finite_differences(held, step_angle, invariance,
         for factor in (-2.0, -1.0, 1.0, 2.0):
             near = samples.moved(parameters, direction, factor * step) if direction < 5 else parameters
             tight = tension + (factor * step if direction == 5 else 0.0)
-            values.append(scalars(PoseSpline(keys.times, rotations, near, tight, curve)))
+            values.append(scalars(PoseSpline(keys.times, rotations, near, tight, curve.geodesics.velocity)))
         expected[:, direction] = (values[0] - 8.0 * values[1] + 8.0 * values[2] - values[3]) / (12.0 * step)
     scale = np.abs(expected).max(axis=1, keepdims=True)
     assert (np.abs(found - expected) / scale).max() < 1e-5

@@ -145,6 +145,16 @@ def test_no_scored_frames():
     assert value == 0.0 and not gradient.any()
 
 
+@pytest.mark.parametrize("full", [False, True], ids=["diagonal", "spd"])
+def test_rotation_errors_of_some_joints_and_their_gradient(full):
+    some, parameters = objective("rot", "depth"), curve(12, full)
+    value, gradient = some.value_and_gradient(parameters)
+    for joints in (np.arange(N_JOINTS), np.array([3]), np.array([4, 1]), np.array([], dtype=int)):
+        errors, by_joint = some.rotation_errors_and_gradient(parameters.at(joints), joints)
+        np.testing.assert_allclose(errors, some.rotation_errors_by_joint(parameters)[joints], rtol=1e-9)
+        np.testing.assert_allclose(by_joint, gradient[joints], rtol=1e-12, atol=1e-15)
+
+
 def test_following_gives_what_searching_anew_gives():
     rng = np.random.default_rng(6)
     followed, parameters = objective(), curve(6, full=True)
