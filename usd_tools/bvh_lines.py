@@ -117,7 +117,7 @@ class _Tree:
         if keyword not in self._expected:
             if keyword == "ROOT" and self._depth == 0 and self.text.names:
                 self._fail("a second skeleton begins; split the file into one for each ROOT.")
-            self._fail(f"expected {self._wanted()}, but found {words[0]}; repair the file.")
+            self._fail(f"expected {self._wanted()}, but found {_short(words[0])}; repair the file.")
         match keyword:
             case "HIERARCHY":
                 self._expected = ("ROOT",)
@@ -158,22 +158,29 @@ class _Tree:
 
     def _check_offset(self, words: list[str]) -> None:
         if len(words) != 3 or not all(_is_number(word) for word in words):
-            self._fail(f"OFFSET must be three numbers, not {' '.join(words) or 'none'}; repair the file.")
+            self._fail(f"OFFSET must be three numbers, not {_short(' '.join(words)) or 'none'}; repair the file.")
 
     def _channels(self, words: list[str]) -> tuple[str, ...]:
         names = tuple(word.capitalize() for word in words[1:])
         for word, name in zip(words[1:], names, strict=True):
             if name not in CHANNELS:
-                self._fail(f"{word} is no channel; there are {', '.join(CHANNELS)}.")
+                self._fail(f"{_short(word)} is no channel; there are {', '.join(CHANNELS)}.")
             if names.count(name) > 1:
                 self._fail(f"{word} is there twice; a joint has each channel once.")
         if words[:1] != [str(len(names))]:
-            self._fail(f"CHANNELS says {words[0] if words else 'nothing'}, but {len(names)} follow; repair the file.")
+            self._fail(
+                f"CHANNELS says {_short(words[0]) if words else 'nothing'}, but {len(names)} follow; repair the file."
+            )
         return names
 
 
 def _plain_statement(keyword: str, n_joints: int) -> str:
     return {"ROOT": f"ROOT {n_joints}", "JOINT": f"JOINT {n_joints}", "END": "End Site"}.get(keyword, keyword)
+
+
+def _short(text: str) -> str:
+    """Cut what a sentence quotes: a file that is not BVH may have one word of any length."""
+    return text if len(text) <= 40 else f"{text[:40]}..."
 
 
 def _is_number(word: str) -> bool:
@@ -190,7 +197,7 @@ def _read_motion(path: Path, lines: Sequence[str], number: int, n_channels: int)
         line = lines[full[place]].strip()
         found = re.fullmatch(name.replace(" ", r"\s+") + r"\s*:\s*(\S+)", line, re.IGNORECASE)
         if not found:
-            _fail(path, full[place] + 1, f"expected {name} and a number, but found {line[:40]!r}.")
+            _fail(path, full[place] + 1, f"expected {name} and a number, but found {_short(line)!r}.")
         values.append(found.group(1))
     n_frames = _frame_count(path, full[0] + 1, values[0])
     frame_time = _frame_time(path, full[1] + 1, values[1])
@@ -205,7 +212,7 @@ def _read_motion(path: Path, lines: Sequence[str], number: int, n_channels: int)
 
 def _frame_count(path: Path, number: int, word: str) -> int:
     if not re.fullmatch("0*[1-9][0-9]{0,17}", word):
-        _fail(path, number, f"Frames must be a whole number of at least 1, not {word}; correct it.")
+        _fail(path, number, f"Frames must be a whole number of at least 1, not {_short(word)}; correct it.")
     return int(word)
 
 
@@ -215,7 +222,7 @@ def _frame_time(path: Path, number: int, word: str) -> Decimal:
     except InvalidOperation:
         seconds = Decimal(0)
     if not (seconds.is_finite() and 1e-6 <= seconds <= 1e6):
-        _fail(path, number, f"Frame Time must be a positive number of seconds, not {word}; repair the file.")
+        _fail(path, number, f"Frame Time must be a positive number of seconds, not {_short(word)}; repair the file.")
     return seconds
 
 
@@ -235,4 +242,4 @@ def _read_table(path: Path, lines: Sequence[str], rows: Sequence[int], n_channel
 def _row_problem(words: Sequence[str], n_channels: int) -> str:
     if len(words) != n_channels:
         return f"{len(words)} numbers for {n_channels} channels"
-    return next((f"{word[:40]} is no finite number" for word in words if not _is_number(word)), "")
+    return next((f"{_short(word)} is no finite number" for word in words if not _is_number(word)), "")

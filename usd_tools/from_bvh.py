@@ -21,6 +21,7 @@ from usd_tools.bvh import Bvh, read_bvh
 from usd_tools.errors import ToolError, run
 from usd_tools.files import check_usd_output, same_file
 from usd_tools.joint_names import joint_paths, unique
+from usd_tools.progress import Progress
 from usd_tools.skel_author import Units, new_layer
 from usd_tools.skel_writer import made_by, save_layer
 
@@ -62,12 +63,15 @@ def convert(args: argparse.Namespace) -> int:
     check_usd_output(args.out, args.usdFormat)
     if same_file(args.out, [args.input]):
         raise ToolError(f"--out {args.out} is the input itself; choose another name.")
-    bvh = read_bvh(args.input)
-    animation = _animation(bvh, args)
-    rate = args.fps or bvh.rate
-    layer = new_layer(animation, unique(bvh.names), Units(args.scale, args.up, rate))
-    layer.customLayerData = made_by(TOOL, _settings(args))
-    save_layer(layer, args.out, args.usdFormat)
+    with Progress(3, "Reading") as progress:
+        bvh = read_bvh(args.input)
+        animation = _animation(bvh, args)
+        rate = args.fps or bvh.rate
+        progress.advance(1, "Converting")
+        layer = new_layer(animation, unique(bvh.names), Units(args.scale, args.up, rate))
+        layer.customLayerData = made_by(TOOL, _settings(args))
+        progress.advance(1, "Writing")
+        save_layer(layer, args.out, args.usdFormat)
     height = _height(bvh, "XYZ".index(args.up)) * args.scale
     print(f"{args.input}: {animation.n_joints} joints, {height:.3g} m high at rest; {animation.n_frames} frames.")
     print(output.written(args.out, rate))

@@ -99,6 +99,11 @@ def test_one_line_is_wrong(tmp_path, refused, number, line, sentence):
     assert refused() == f"in.bvh, {sentence}"
 
 
+def test_quotes_are_short(tmp_path, refused):
+    (tmp_path / "in.bvh").write_text("x" * 10**6)
+    assert refused() == f"in.bvh, line 1: expected HIERARCHY, but found {'x' * 40}...; repair the file."
+
+
 def test_every_number_has_the_wrong_count(tmp_path, refused):
     text = write_bvh(tmp_path / "in.bvh")
     (tmp_path / "in.bvh").write_text(text.replace("CHANNELS 1 Yrotation", "CHANNELS 0"))
