@@ -176,7 +176,7 @@ class Squad(_OnCubicPaths):
     def _prepare(self, metric: Metric | None) -> None:
         super()._prepare(metric)
         keys, durations = self.animation.rotations, np.diff(self.animation.times)[:, None, None]
-        turns = quat.log(quat.multiply(quat.conjugate(keys[:-1]), keys[1:]))
+        turns = quat.difference(keys[:-1], keys[1:])
         before, after = turns[:-1], turns[1:]
         ratio = durations[1:] / durations[:-1]
         self._leaving, self._arriving = keys[:-1].copy(), keys[1:].copy()

@@ -52,16 +52,33 @@ def exp(rotation_vector, out):
 
 
 @compiled
+def log_of(q):
+    """Turn a unit quaternion into the shortest rotation vector."""
+    sign = -1.0 if q[3] < 0.0 else 1.0
+    sine = np.sqrt(vectors.dot(q, q))
+    # half / sine tends to 1 / cosine = 1 at the identity
+    ratio = np.arctan2(sine, sign * q[3]) / sine if sine > 0.0 else 1.0
+    return (2.0 * ratio * (sign * q[0]), 2.0 * ratio * (sign * q[1]), 2.0 * ratio * (sign * q[2]))
+
+
+@compiled
 def log(quaternion, out):
     """Turn unit quaternions, shape=[n, 4], into the shortest rotation vectors, shape=[n, 3]."""
     for i in range(len(out)):
         q = quaternion[i]
-        sign = -1.0 if q[3] < 0.0 else 1.0
-        sine = np.sqrt(vectors.dot(q, q))
-        # half / sine tends to 1 / cosine = 1 at the identity
-        ratio = np.arctan2(sine, sign * q[3]) / sine if sine > 0.0 else 1.0
+        vector = log_of((q[0], q[1], q[2], q[3]))
         for k in range(3):
-            out[i, k] = 2.0 * ratio * (sign * q[k])
+            out[i, k] = vector[k]
+
+
+@compiled
+def difference(left, right, out):
+    """Turn the rotations that lead from unit quaternions to others, shape=[n, 4], into rotation vectors."""
+    for i in range(len(out)):
+        a = left[i]
+        vector = log_of(vectors.multiply((-a[0], -a[1], -a[2], a[3]), right[i]))
+        for k in range(3):
+            out[i, k] = vector[k]
 
 
 @compiled

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from geomstats_anim import boundary_value
+from geomstats_anim import boundary_value, normal_form
 from geomstats_anim import rotations as quat
 from geomstats_anim.compilation import in_threads
 from geomstats_anim.parameters import MetricParameters
@@ -186,11 +186,10 @@ class PoseGeodesics:
             The end is at parameter 1.
         """
         is_right = parameters.is_right[:, None]
-        body_relative = quat.multiply(quat.conjugate(initial), end)
-        space_relative = quat.multiply(end, quat.conjugate(initial))
-        # the right-invariant geodesic is the inverse of the left-invariant one between the inverses
-        relative = np.where(is_right, quat.conjugate(space_relative), body_relative)
-        vector = parameters.along_axes(quat.log(relative))
+        vector = np.empty((*initial.shape[:2], 3))
+        normal_form.targets(
+            quat.plain(initial), quat.plain(end), parameters.is_right, parameters.axes_quaternions, vector
+        )
         moments = np.broadcast_to(parameters.moments, vector.shape)
         start = None
         if near is not None:
@@ -239,14 +238,16 @@ class PoseGeodesics:
 
     def poses(self, index: np.ndarray, turned: Array) -> Array:
         """Turn the geodesics' initial poses by what `turns` returns."""
-        is_right = self.parameters.is_right
-        if self.parameters.axes is not None:
-            axes = self.parameters.axes_quaternions
-            turned = quat.multiply(quat.multiply(quat.conjugate(axes), turned), axes)
-        initial = self.initial[index]
-        rotations = quat.multiply(initial, turned)
-        if is_right.any():
-            rotations[:, is_right] = quat.multiply(quat.conjugate(turned[:, is_right]), initial[:, is_right])
+        rotations = np.empty(turned.shape)
+        parameters = self.parameters
+        normal_form.poses(
+            quat.plain(self.initial),
+            np.array(index),
+            quat.plain(turned),
+            parameters.is_right,
+            parameters.axes_quaternions,
+            rotations,
+        )
         return rotations
 
     def pull_back(self, index: np.ndarray, parameter: Array, rotations: Array, cotangent: Array) -> Array:
@@ -270,10 +271,12 @@ class PoseGeodesics:
 
     def pull_back_poses(self, rotations: Array, cotangent: Array) -> Array:
         """Pull a derivative by what `poses` returned, at fixed axes, back to one by what it was given."""
-        # the body variation x of a right-invariant geodesic g = e^-1 A comes from -g x of e
-        is_right = self.parameters.is_right[:, None]
-        inward = np.where(is_right, -quat.rotate(rotations, cotangent), cotangent)
-        return self.parameters.along_axes(inward)
+        out = np.empty(cotangent.shape)
+        parameters = self.parameters
+        normal_form.inward(
+            quat.plain(rotations), quat.plain(cotangent), parameters.is_right, parameters.axes_quaternions, out
+        )
+        return out
 
     def pull_back_turns(
         self, index: np.ndarray, parameter: Array, cotangent: Array, partial: Array | None = None

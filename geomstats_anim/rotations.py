@@ -76,6 +76,11 @@ def log(quaternion: Array) -> Array:
     return _each(elementwise.log, 3, quaternion)
 
 
+def difference(left: Array, right: Array) -> Array:
+    """Shortest rotation vectors, shape=[..., 3], that lead from `left` to `right`, in the frame of `left`."""
+    return _each(elementwise.difference, 3, left, right)
+
+
 def angle(quaternion: Array) -> Array:
     """Angles in radians, in [0, pi], of unit quaternions, shape=[..., 4]; accurate near 0, where arccos is not."""
     return 2.0 * np.arctan2(np.linalg.norm(quaternion[..., :3], axis=-1), np.abs(quaternion[..., 3]))
@@ -122,8 +127,7 @@ def slerp(start: Array, end: Array, parameter: ArrayLike) -> Array:
     -------
     quaternion : array-like, shape=[..., 4]
     """
-    relative = log(multiply(conjugate(start), end))
-    return multiply(start, exp(np.asarray(parameter)[..., None] * relative))
+    return multiply(start, exp(np.asarray(parameter)[..., None] * difference(start, end)))
 
 
 def to_matrix(quaternion: Array) -> Array:
@@ -165,11 +169,11 @@ def _each(kernel: Callable[..., None], width: int, *operands: Array) -> Array:
         shape = np.broadcast_shapes(*(operand.shape[:-1] for operand in operands))
         operands = tuple(np.broadcast_to(operand, (*shape, operand.shape[-1])) for operand in operands)
     out = np.empty((*shape, width))
-    kernel(*(_plain(operand).reshape(-1, operand.shape[-1]) for operand in operands), out.reshape(-1, width))
+    kernel(*(plain(operand).reshape(-1, operand.shape[-1]) for operand in operands), out.reshape(-1, width))
     return out
 
 
-def _plain(operand: Array) -> Array:
+def plain(operand: Array) -> Array:
     """Copy arrays that are read-only, strided or of another type, for which kernels would be compiled once more."""
     is_plain = operand.flags.carray and operand.dtype == np.float64
     return operand if is_plain else np.array(operand, dtype=np.float64, order="C")

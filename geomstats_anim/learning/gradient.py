@@ -29,7 +29,7 @@ _ROUGHLY = {"maxiter": 60, "ftol": 1e-5}
 _EXACTLY = {"maxiter": 100, "ftol": 1e-7}
 """When L-BFGS-B stops: starts are followed roughly, the best exactly; ftol is in shares of the start's value."""
 
-_REFINED, _MAX_ROUNDS = 1e-6, 100
+_REFINED, _MAX_ROUNDS = 1e-6, 30
 """When a single joint's descent stops, in shares of its error at the start, or in rounds."""
 
 _HELPS = 1.0 - 1e-6
@@ -40,7 +40,7 @@ _TENSION, _TRANSLATION_TENSION = _TENSIONS
 _BOUNDS = [(-BOUND, BOUND)] * 2 + [(-np.pi, np.pi)] * 3 + [(0.0, MAX_TENSION)] * 2
 """Of the columns of a point."""
 
-_TILTED = 150
+_TILTED = 64
 """Tilted matrices that every joint tries, where the family has them."""
 
 

@@ -174,7 +174,6 @@ def _smooth(angle: Array) -> Array:
 
 def _turned_apart(truth: Array, rotations: Array, weights: Array) -> tuple[Array, Array]:
     """Sum rotation errors over frames, shape=[B], and derive them by the body variation of the rotations."""
-    miss = quat.log(quat.multiply(quat.conjugate(truth), rotations))
-    angle = np.linalg.norm(miss, axis=-1)
-    cotangent = miss * (weights / np.hypot(angle, SMOOTHING))[..., None]
-    return (_smooth(angle) * weights).sum(axis=0), cotangent
+    miss = quat.difference(truth, rotations)
+    rounded = np.hypot(np.linalg.norm(miss, axis=-1), SMOOTHING)
+    return ((rounded - SMOOTHING) * weights).sum(axis=0), miss * (weights / rounded)[..., None]

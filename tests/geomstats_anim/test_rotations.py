@@ -29,6 +29,7 @@ def test_group_laws(three):
     assert same(quat.multiply(quat.multiply(a, b), c), quat.multiply(a, quat.multiply(b, c)))
     assert same(quat.multiply(a, quat.conjugate(a)), quat.IDENTITY)
     np.testing.assert_array_equal(quat.multiply(a, quat.IDENTITY), a)
+    np.testing.assert_array_equal(quat.difference(a, b), quat.log(quat.multiply(quat.conjugate(a), b)))
     assert same(quat.conjugate(quat.multiply(a, b)), quat.multiply(quat.conjugate(b), quat.conjugate(a)))
 
 
