@@ -5,6 +5,8 @@ Nothing is fetched: formulas become MathML when the pages are built, and figures
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
 from typing import Any
 
 from docutils import nodes
@@ -12,13 +14,16 @@ from docutils.utils.math import latex2mathml
 
 import geomstats_anim
 
+sys.path.insert(0, str(Path(__file__).parent))
+
 project = "geomstats-anim"
 author = "The geomstats-anim authors"
 copyright = author
 version = release = geomstats_anim.__version__
 
-extensions = ["sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton", "sphinxarg.ext"]
+extensions = ["sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton", "verbs"]
 exclude_patterns = ["_build"]
+smartquotes = False  # they would make dashes of options
 default_role = "py:obj"  # docstrings name things in single backquotes
 toc_object_entries_show_parents = "hide"
 html_theme = "furo"

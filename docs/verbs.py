@@ -1,0 +1,95 @@
+"""Sphinx directive that writes down the command lines of usd_tools, each from its own parser: ``.. verbs::``."""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import re
+from collections.abc import Iterable, Iterator
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from docutils import nodes
+from docutils.statemachine import StringList
+from sphinx.util.docutils import SphinxDirective
+
+import usd_tools
+
+_FOLDER = Path(usd_tools.__file__).parent
+_ORDER = ("inspect", "from_bvh", "upsample", "learn", "downsample", "compare")
+_WIDTH = 92
+
+
+def verbs() -> list[str]:
+    """Names of all modules with a parser and a main, in the order in which they are used."""
+    found = []
+    for path in _FOLDER.glob("*.py"):
+        functions = {node.name for node in ast.parse(path.read_text("utf-8")).body if isinstance(node, ast.FunctionDef)}
+        if {"parser", "main"} <= functions:
+            found.append(path.stem)
+    return sorted(found, key=lambda verb: (_ORDER.index(verb) if verb in _ORDER else len(_ORDER), verb))
+
+
+def _marked_up(text: str) -> str:
+    """Mark options and names of modules in plain text as code, and let the rest be plain."""
+    plain = re.sub(r"([\\*`|_])", r"\\\1", text)
+    return re.sub(r"(?<![\w-])(--[\w-]+|usd\\_tools\.\w+|'[^']*[=:\[][^']*')", _as_code, plain)
+
+
+def _as_code(found: re.Match[str]) -> str:
+    return f"``{found[0].replace(chr(92), '').strip(chr(39))}``"
+
+
+def _described(action: argparse.Action, parse: argparse.ArgumentParser) -> Iterator[str]:
+    """Lines of reStructuredText for one argument."""
+    value = ""
+    if action.nargs != 0:
+        value = action.metavar or (f"{{{','.join(map(str, action.choices))}}}" if action.choices else action.dest)
+        value = f"{value} [{value} ...]" if action.nargs == "+" else value
+    if action.option_strings:
+        yield f".. option:: {', '.join(f'{option} {value}'.strip() for option in action.option_strings)}"
+    else:
+        yield f".. option:: {value}"
+    yield ""
+    formatter = parse._get_formatter()
+    text = formatter._expand_help(action) if action.help else ""
+    yield f"   {_marked_up(text[:1].upper() + text[1:])}."
+    yield ""
+
+
+class Verbs(SphinxDirective):
+    """A section for each command line: what it does, its usage, its arguments."""
+
+    has_content = False
+
+    def run(self) -> list[nodes.Node]:
+        """Make the sections."""
+        lines = [line for verb in verbs() for line in self._section(verb)]
+        node = nodes.section()
+        node.document = self.state.document
+        self.state.nested_parse(StringList(lines, "verbs"), 0, node, match_titles=1)
+        for verb in verbs():
+            self.env.note_dependency(str(_FOLDER / f"{verb}.py"))
+        return node.children
+
+    def _section(self, verb: str) -> Iterator[str]:
+        parse: argparse.ArgumentParser = import_module(f"usd_tools.{verb}").parser()
+        parse.formatter_class = lambda prog: argparse.HelpFormatter(prog, width=_WIDTH)
+        yield from (f".. _{verb}:", "", verb, "-" * len(verb), "", f".. program:: {verb}", "")
+        yield from (_marked_up(parse.description or ""), "", ".. code-block:: text", "")
+        yield from (f"   {line}" for line in parse.format_usage().removeprefix("usage: ").splitlines())
+        yield ""
+        for group in parse._action_groups:
+            actions: Iterable[Any] = [a for a in group._group_actions if not isinstance(a, argparse._HelpAction)]
+            if actions and group.title not in ("positional arguments", "options"):
+                yield from (f"**{group.title}.** {_marked_up(group.description or '')}", "")
+            for action in actions:
+                yield from _described(action, parse)
+        yield from (_marked_up(parse.epilog or ""), "")
+
+
+def setup(app: Any) -> dict[str, bool]:
+    """Add the directive."""
+    app.add_directive("verbs", Verbs)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
