@@ -126,7 +126,7 @@ def _aim(lane):
 
 
 @compiled
-def _judge(lane, rotation, variation, number, may_follow):
+def _judge(lane, rotation, variation, number, may_follow, trusted):
     """Look where a shot ended, and choose the next one or a status."""
     lane.shots += 1
     miss = _miss(lane.target, rotation, number)
@@ -151,6 +151,10 @@ def _judge(lane, rotation, variation, number, may_follow):
             _aim(lane)
             return _GO_ON
         _newton(lane, rotation, variation, number, miss)
+        if at_end and length <= trusted:
+            for i in range(3):
+                lane.base[i] += lane.newton[i]
+            return CONVERGED
         lane.cut = 1.0
         if at_end:
             lane.tolerance = min(max(1e-4 * length * length, TOLERANCE), _FIRST_TOLERANCE)
@@ -225,7 +229,7 @@ def _newton(lane, rotation, variation, number, miss):
 
 
 @compiled
-def shoot(moments, vector, start, max_energy, may_follow, momentum, residual, status, shots):
+def shoot(moments, vector, start, max_energy, may_follow, trusted, momentum, residual, status, shots):
     """Find the momenta of geodesics from the identity to given rotations.
 
     Parameters
@@ -239,6 +243,8 @@ def shoot(moments, vector, start, max_energy, may_follow, momentum, residual, st
         Squared length that the geodesic is known not to need.
     may_follow : bool
         Whether to follow the metric from the bi-invariant one if Newton fails.
+    trusted : float
+        Miss in radians whose Newton step is not looked at again; what it leaves is of the order of its square.
     momentum : array-like, shape=[n, 3]
         Written, as are the next.
     residual : array-like, shape=[n]
@@ -263,7 +269,7 @@ def shoot(moments, vector, start, max_energy, may_follow, momentum, residual, st
                 continue
             lane = lanes[number]
             if lane.problem >= 0:
-                outcome = _judge(lane, rotation, variation, number, may_follow)
+                outcome = _judge(lane, rotation, variation, number, may_follow, trusted)
                 if outcome != _GO_ON:
                     p = lane.problem
                     status[p], residual[p], shots[p] = outcome, lane.base_miss, lane.shots

@@ -27,6 +27,9 @@ _SHORTER = 1.0 - 1e-9
 _NO_LONGER, _NOTHING = 1.0 + 1e-6, 1e-10
 """Slack for the miss of the end point, of short turns above all, where the turn about one axis is the geodesic."""
 
+_TRUSTED = 1e-5
+"""Miss, in radians, whose Newton step a quick search does not look at again."""
+
 
 class Shots(NamedTuple):
     """Geodesics found.
@@ -106,8 +109,9 @@ def shortest_momenta(moments: Array, vector: Array, start: Array | None = None, 
         Momenta to try where a guess is not enough; not a number where none is known.
         Optional, default: None.
     effort : str
-        "thorough": certify what Newton's method finds, and search everywhere where that fails. "quick": take it unless
-        it is nothing, or longer than a turn about one axis, and then the best of what continuation finds.
+        "thorough": certify what Newton's method finds, and search everywhere where that fails. "quick": take it, exact
+        to some 1e-10 radians, unless it is nothing, or longer than a turn about one axis, and then the best of what
+        continuation finds.
         Optional, default: "thorough".
 
     Returns
@@ -116,13 +120,14 @@ def shortest_momenta(moments: Array, vector: Array, start: Array | None = None, 
     """
     # copies: the kernels would be compiled once more for arrays that are read-only or of another type
     moments, vector = (np.array(values, dtype=np.float64, order="C") for values in (moments, vector))
-    doubtful = _doubtful if effort == "thorough" else _too_long
-    search = _search_everywhere if effort == "thorough" else _follow
-    best = _shoot(moments, vector)
+    is_thorough = effort == "thorough"
+    doubtful, trusted = (_doubtful, 0.0) if is_thorough else (_too_long, _TRUSTED)
+    best = _shoot(moments, vector, trusted=trusted)
     index = doubtful(best, moments, vector)
     if start is not None and len(index):
-        best.keep_better(index, _shoot(moments[index], vector[index], start[index]))
+        best.keep_better(index, _shoot(moments[index], vector[index], start[index], trusted=trusted))
         index = index[doubtful(best.at(index), moments[index], vector[index])]
+    search = _search_everywhere if is_thorough else _follow
     for begin in range(0, len(index), _SEARCH_PART):
         part = index[begin : begin + _SEARCH_PART]
         best.replace(part, search(moments[part], vector[part]))
@@ -182,6 +187,7 @@ def _shoot(
     start: Array | None = None,
     max_energy: Array | None = None,
     may_follow: bool = False,
+    trusted: float = 0.0,
 ) -> Shots:
     """Run the compiled solver on a batch."""
     n = len(moments)
@@ -197,6 +203,7 @@ def _shoot(
             start[part],
             max_energy[part],
             may_follow,
+            trusted,
             momentum[part],
             residual[part],
             status[part],

@@ -24,13 +24,16 @@ INVARIANCE_CHOICES = ("left", "right", "clip", "joint")
 BOUND = np.log(10.0)
 """Largest |log alpha| and |log beta|: a condition number of at most 100."""
 
-_GRID = np.linspace(-2.0, 2.0, 5)
+_GRID, _ROUGH_GRID = np.linspace(-2.0, 2.0, 5), np.linspace(-1.5, 1.5, 3)
 _ROUGHLY = {"maxiter": 60, "ftol": 1e-5}
-_EXACTLY = {"maxiter": 100, "ftol": 1e-7}
+_EXACTLY = {"maxiter": 100, "ftol": 1e-6}
 """When L-BFGS-B stops: starts are followed roughly, the best exactly; ftol is in shares of the start's value."""
 
 _REFINED, _MAX_ROUNDS = 1e-6, 30
 """When a single joint's descent stops, in shares of its error at the start, or in rounds."""
+
+_FLAT = 1e-2
+"""Curvature of a joint, as a share of the largest, below which its variables are not stretched any more."""
 
 _HELPS = 1.0 - 1e-6
 """A point counts as better if it leaves at most this share of an error."""
@@ -117,14 +120,14 @@ def search_gradient(
     check_words(family, invariance)
     sides = INVARIANCES if invariance in ("clip", "joint") else (invariance,)
     search = _Search(objective, n_joints, _free_columns(family, scheme), sides, invariance != "joint", progress)
-    grids = {side: search.grid(side) for side in sides}
+    grids = {side: search.grid(side, _ROUGH_GRID if rough else _GRID) for side in sides}
     fits = {side: search.refine(*best, (side,) * n_joints) for side, best in grids.items()}
     for side, (point, _) in fits.items():
         search.offer_by_joint(point, (side,) * n_joints)
     # what is best for rotations may be far from what is best for bone ends alone
     starts = [fits, grids] if objective.kind == "loc" else [fits]
     for start in starts:
-        if invariance == "joint":
+        if invariance == "joint" and not rough:
             search.try_other_sides({side: point for side, (point, _) in start.items()})
         if invariance == "clip" or len(starts) > 1:
             for side, (point, _) in start.items():
@@ -170,6 +173,7 @@ class _Search:
         self.offer(self.best_point, self.best_sides)
         if _TENSION in free:
             self._choose_tensions()
+        self._scale = np.ones((n_joints, 7))
         self._base = self.best_point
         self._base_value, self._base_errors = self.best_value, self.best_errors
 
@@ -221,12 +225,12 @@ class _Search:
         mixed_sides = (mine if ok else other for ok, mine, other in zip(better, sides, self.best_sides, strict=True))
         self.offer(np.where(better[:, None], point, self.best_point), tuple(mixed_sides))
 
-    def grid(self, side: str) -> tuple[Array, Array]:
+    def grid(self, side: str, values: Array) -> tuple[Array, Array]:
         """Best point of the grid for each joint's own rotation error, shape=[B, 7], and those errors.
 
         A joint that no point helps, because it does not turn, or about one axis only, stays at the identity.
         """
-        moments = np.stack(np.meshgrid(_GRID, _GRID, indexing="ij"), axis=-1).reshape(-1, 2)
+        moments = np.stack(np.meshgrid(values, values, indexing="ij"), axis=-1).reshape(-1, 2)
         points = np.tile(self._base, (len(moments), 1, 1))
         points[..., _MOMENTS] = moments[:, None]
         sides = (side,) * self.n_joints
@@ -256,15 +260,18 @@ class _Search:
         lower, upper = np.transpose([_BOUNDS[column] for column in free])
         tolerance = _REFINED * np.maximum(self._base_errors, 1e-12)
         values, errors, curvature = minimize_each(evaluate, point[:, free], lower, upper, tolerance, _MAX_ROUNDS)
+        self._scale[:, free] = np.sqrt(curvature + _FLAT * curvature.max(initial=1e-12))
+        self._scale[:, _TRANSLATION_TENSION] = self._scale[:, free].min()
         return placed(values, np.arange(self.n_joints)), errors
 
     def descend(self, point: Array, sides: tuple[str, ...], stop: dict[str, float]) -> None:
         """Follow the gradient from a point."""
         unit = max(self._base_value, 1e-12)
+        scale = self._scale[:, self._free]
 
         def placed(flat: Array) -> Array:
             current = point.copy()
-            current[:, self._free] = flat.reshape(self.n_joints, -1)
+            current[:, self._free] = np.clip(flat.reshape(scale.shape) / scale, *bounds)
             return current
 
         def evaluate(flat: Array) -> tuple[float, Array]:
@@ -273,31 +280,29 @@ class _Search:
             value, gradient = self.objective.value_and_gradient(self.curve(current, sides))
             self._progress(self.evaluations, min(self.best_value, value))
             # in units of the start's value, so that tolerances mean the same for metres and radians
-            return value / unit, _by_coordinates(gradient, current)[:, self._free].ravel() / unit
+            return value / unit, (_by_coordinates(gradient, current)[:, self._free] / scale).ravel() / unit
 
+        bounds = np.transpose([_BOUNDS[column] for column in self._free])
         options: Any = {"maxcor": 20, "gtol": 1e-7, **stop}
         result = minimize(
             evaluate,
-            point[:, self._free].ravel(),
+            (point[:, self._free] * scale).ravel(),
             jac=True,
             method="L-BFGS-B",
-            bounds=[_BOUNDS[column] for column in self._free] * self.n_joints,
+            bounds=np.stack([(bound * scale).ravel() for bound in bounds], axis=-1),
             options=options,
         )
         # a descent follows geodesics that may cease to be the shortest, in some joints
         self.offer_by_joint(placed(result.x), sides)
 
     def try_other_sides(self, points: dict[str, Array]) -> None:
-        """Turn single joints to the other side, root to leaf, where that helps; then follow the gradient once more."""
-        turned = False
+        """Turn single joints to the other side, root to leaf, where that helps."""
         for joint in range(self.n_joints):
             other = "right" if self.best_sides[joint] == "left" else "left"
             point = self.best_point.copy()
             point[joint] = points[other][joint]
             sides = (*self.best_sides[:joint], other, *self.best_sides[joint + 1 :])
-            turned |= self.offer(point, sides)
-        if turned:
-            self.descend(self.best_point, self.best_sides, _ROUGHLY)
+            self.offer(point, sides)
 
     def tilt(self) -> None:
         """Go on from the best diagonal matrices with free axes, and from the best of many tilted ones."""

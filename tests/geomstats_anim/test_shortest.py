@@ -47,6 +47,29 @@ def test_converges_up_to_condition_100(low, high, at_least):
     assert oracles.angle_between(ends, quat.to_matrix(quat.exp(vector[some]))).max() < BAR
 
 
+@pytest.mark.parametrize("low, high, at_least", [(0.0, 1e-9, 1.0), (0.0, 45.0, 0.999), (0.0, 170.0, 0.97)])
+def test_quick_searches_end_nearly_at_the_target(low, high, at_least):
+    rng = np.random.default_rng(7)
+    inertia, vector = samples.moments(rng, 2000, 10.0), samples.gaps(rng, 2000, low, high)
+    quick, thorough = shortest_momenta(inertia, vector, effort="quick"), solve(inertia, vector)
+    found = np.flatnonzero(quick.status == LogStatus.CONVERGED)
+    misses = quat.distance(samples.flow(inertia, quick.momentum), quat.exp(vector))[found]
+    assert misses.max() < 1e-8
+    same = np.abs(quick.momentum - thorough.momentum).max(axis=1) < 1e-7
+    assert same.mean() >= at_least
+
+
+def test_a_momentum_nearby_helps_where_a_guess_is_not_enough():
+    rng = np.random.default_rng(8)
+    inertia, vector = samples.moments(rng, 300, 100.0), samples.gaps(rng, 300, 150.0, 175.0)
+    best = solve(inertia, vector)
+    start = np.where(rng.random((300, 1)) < 0.9, 1.001 * best.momentum, np.nan)
+    quick = shortest_momenta(inertia, vector, start, "quick")
+    alone = shortest_momenta(inertia, vector, effort="quick")
+    assert quick.energy.sum() <= alone.energy.sum()
+    assert quick.shots.sum() < alone.shots.sum()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("low, high, n, at_least", [(0.0, 170.0, 100_000, 0.999), (170.0, 180.0, 20_000, 0.99)])
 def test_converges_up_to_condition_100_on_many_pairs(low, high, n, at_least):

@@ -78,7 +78,7 @@ def test_the_gradient_is_that_of_the_value(kind, sides, full):
     )
     some = objective(kind, "depth", 0.3)
     value, gradient = some.value_and_gradient(parameters)
-    assert value == pytest.approx(some.value(parameters), rel=1e-12)
+    assert value == pytest.approx(some.value(parameters), rel=1e-9)
     expected, step = np.empty((N_JOINTS, 7)), 2e-4
     for joint, direction in np.ndindex(expected.shape):
         far, near = (
