@@ -10,17 +10,18 @@ from geomstats_anim._version import __version__
 from geomstats_anim.animation import Animation, Skeleton
 from geomstats_anim.geodesics import LogResult, LogStatus
 from geomstats_anim.interpolation import SCHEMES, FallbackWarning, interpolate
-from geomstats_anim.keyframes import uniform_keyframes
+from geomstats_anim.keyframes import optimal_keyframes, uniform_keyframes
 from geomstats_anim.parameters import LearnedMetric, MetricParameters
 from geomstats_anim.quality import quality
 
 if TYPE_CHECKING:
-    from geomstats_anim.learning import learn_metric
+    from geomstats_anim.learning import Compressed, compress, learn_metric
     from geomstats_anim.metric import PoseMetric, PoseSpace, SO3InvariantMetric
 
 __all__ = [
     "SCHEMES",
     "Animation",
+    "Compressed",
     "FallbackWarning",
     "LearnedMetric",
     "LogResult",
@@ -31,8 +32,10 @@ __all__ = [
     "SO3InvariantMetric",
     "Skeleton",
     "__version__",
+    "compress",
     "interpolate",
     "learn_metric",
+    "optimal_keyframes",
     "quality",
     "uniform_keyframes",
 ]
@@ -41,6 +44,8 @@ _ON_FIRST_USE = {
     "PoseMetric": "geomstats_anim.metric",
     "PoseSpace": "geomstats_anim.metric",
     "SO3InvariantMetric": "geomstats_anim.metric",
+    "Compressed": "geomstats_anim.learning",
+    "compress": "geomstats_anim.learning",
     "learn_metric": "geomstats_anim.learning",
 }
 

@@ -100,7 +100,8 @@ def pull_back_ends(skeleton: Skeleton, pose: WorldPose, forces: Array) -> tuple[
 
 
 @compiled
-def _rotate(q, v):
+def rotate(q, v):
+    """Apply a unit quaternion to a vector."""
     return rotate_back((-q[0], -q[1], -q[2], q[3]), (v[0], v[1], v[2]))
 
 
@@ -114,12 +115,12 @@ def _place(order, parents, bone_ends, rotations, translations, world, origins, e
                 origins[f, b] = translations[f, b]
             else:
                 q = multiply(world[f, p], rotations[f, b])
-                o = _rotate(world[f, p], translations[f, b])
+                o = rotate(world[f, p], translations[f, b])
                 for i in range(4):
                     world[f, b, i] = q[i]
                 for i in range(3):
                     origins[f, b, i] = origins[f, p, i] + o[i]
-            e = _rotate(world[f, b], bone_ends[b])
+            e = rotate(world[f, b], bone_ends[b])
             for i in range(3):
                 ends[f, b, i] = origins[f, b, i] + e[i]
 

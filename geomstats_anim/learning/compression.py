@@ -1,0 +1,185 @@
+"""Keys and the metric that rebuilds the frames between them, chosen together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geomstats_anim.animation import Animation
+from geomstats_anim.interpolation import SCHEMES
+from geomstats_anim.keyframes import KeyProblem
+from geomstats_anim.learning.learn import SCHEMES as LEARNED_SCHEMES
+from geomstats_anim.learning.learn import learn_metric
+from geomstats_anim.parameters import CurveParameters, LearnedMetric
+
+_ROUNDS = 3
+"""Most times that a metric is learned for new keys, and keys are moved under it."""
+
+_LEAST_GAIN = 0.01
+"""Share of the error that a round must have gained to be followed by another."""
+
+
+@dataclass(frozen=True, eq=False)
+class Compressed:
+    """What is kept of animations.
+
+    Parameters
+    ----------
+    keyframes : tuple of array-like of int
+        Frames that are kept, of each animation.
+    metric : LearnedMetric
+        What rebuilds the others; its scheme is the one to use.
+    """
+
+    keyframes: tuple[np.ndarray, ...]
+    metric: LearnedMetric
+
+
+def compress(
+    animations: Sequence[Animation],
+    counts: Sequence[int] | None = None,
+    tolerance: float | None = None,
+    *,
+    kind: str | None = None,
+    scheme: str = "geodesic-spline",
+    family: str = "diagonal",
+    keep: Sequence[ArrayLike] | None = None,
+    progress: Callable[[int, float], None] = lambda evaluations, value: None,
+) -> Compressed:
+    """Choose keys and learn the metric for them, in turn, until neither improves.
+
+    Parameters
+    ----------
+    animations : sequence of Animation
+        Of one rig; one metric serves them all.
+    counts : sequence of int
+        Keys to keep of each. Either this or the tolerance.
+    tolerance : float
+        Metres that no bone end may be away from its place in any frame; the fewest keys are sought.
+    kind : str
+        As in `optimal_keyframes`.
+        Optional, default: "hyb" for counts, "max" for a tolerance.
+    scheme : str
+        A name in `SCHEMES`; "geodesic" and "geodesic-spline" are learned.
+        Optional, default: "geodesic-spline".
+    family : str
+        As in `learn_metric`.
+        Optional, default: "diagonal".
+    keep : sequence of array-like of int
+        Frames of each that must be kept.
+        Optional, default: none.
+    progress : callable
+        Called with the number of evaluations of a search for a metric, and the best value so far.
+
+    Returns
+    -------
+    compressed : Compressed
+
+    Raises
+    ------
+    ValueError
+        As `optimal_keyframes`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from geomstats_anim import Animation, Skeleton, compress
+    >>> skeleton = Skeleton(["arm"], [-1], [[0.0, 0.0, 0.0]], [[0.0, 0.0, 0.0, 1.0]], [[0.0, 1.0, 0.0]])
+    >>> t = np.linspace(0.0, 1.0, 31)
+    >>> turn = np.stack([np.sin(3 * t), np.cos(2 * t), t, 2 + np.sin(t)], axis=-1)[:, None]
+    >>> swing = Animation(skeleton, t, turn / np.linalg.norm(turn, axis=-1, keepdims=True), np.zeros((31, 1, 3)))
+    >>> len(compress([swing], tolerance=0.01).keyframes[0])
+    5
+    """
+    if scheme not in SCHEMES:
+        raise ValueError(f"There is no scheme {scheme!r}; the schemes are {', '.join(SCHEMES)}.")
+    problems = [
+        KeyProblem.of(
+            animation,
+            None if counts is None else counts[i],
+            tolerance,
+            kind,
+            () if keep is None else keep[i],
+        )
+        for i, animation in enumerate(animations)
+    ]
+
+    def fit(keyframes: Sequence[np.ndarray]) -> LearnedMetric | None:
+        """Learn a metric, if there is anything to learn from."""
+        pairs = zip(animations, keyframes, strict=True)
+        sparse = [(animation, kept) for animation, kept in pairs if len(kept) < animation.n_frames]
+        try:
+            return learn_metric(
+                [animation for animation, _ in sparse],
+                [kept for _, kept in sparse],
+                family=family,
+                scheme=scheme,
+                kind="hyb" if problems[0].measure.largest else kind or "hyb",
+                progress=progress,
+            )
+        except ValueError:
+            return None
+
+    start = [problem.under_slerp() for problem in problems]
+    plain = plain_metric(animations[0].skeleton.joints, scheme)
+    choose = _fewest if tolerance is not None else _best
+    return choose(problems, start, plain, fit if scheme in LEARNED_SCHEMES else lambda keyframes: None)
+
+
+def plain_metric(joints: Sequence[str], scheme: str, tension: float | None = None) -> LearnedMetric:
+    """Make the metric that nothing was learned for: bi-invariant, with the scheme's usual tension or another."""
+    curve = CurveParameters.plain(scheme, len(joints))
+    both: Any = (curve.tension, curve.translation_tension)
+    if tension is not None:
+        both = tuple(np.full(len(joints), tension) for _ in both)
+    return LearnedMetric(tuple(joints), curve.metric, both[0], scheme, "", {}, both[1])
+
+
+Fit = Callable[[Sequence[np.ndarray]], LearnedMetric | None]
+
+
+def _best(problems: Sequence[KeyProblem], start: list[np.ndarray], plain: LearnedMetric, fit: Fit) -> Compressed:
+    """Keep the number of keys, and make the error least."""
+
+    def cost(kept: Sequence[np.ndarray], metric: LearnedMetric) -> float:
+        pairs = zip(problems, kept, strict=True)
+        return sum(float(problem.judge(metric.scheme, metric)(keys).sum()) for problem, keys in pairs)
+
+    kept, metric, before = start, plain, np.inf
+    for _ in range(_ROUNDS):
+        metric = min((metric, fit(kept) or metric), key=lambda each: cost(kept, each))
+        kept = _refined(problems, kept, metric)
+        now = cost(kept, metric)
+        if now >= (1.0 - _LEAST_GAIN) * before:
+            break
+        before = now
+    return Compressed(tuple(kept), metric)
+
+
+def _fewest(problems: Sequence[KeyProblem], start: list[np.ndarray], plain: LearnedMetric, fit: Fit) -> Compressed:
+    """Stay within the tolerance, with as few keys as can be."""
+    found = [Compressed(tuple(_refined(problems, start, plain)), plain)]
+    if plain.scheme == "geodesic-spline":  # without tension it is slerp, for which the first keys are the fewest
+        found.append(Compressed(tuple(start), plain_metric(plain.joints, plain.scheme, tension=0.0)))
+    best = min(found, key=_size)
+    for _ in range(_ROUNDS):
+        metric = fit(best.keyframes)
+        if metric is None:
+            break
+        learned = Compressed(tuple(_refined(problems, best.keyframes, metric)), metric)
+        if _size(learned) >= _size(best):
+            break
+        best = learned
+    return best
+
+
+def _refined(problems: Sequence[KeyProblem], kept: Sequence[np.ndarray], metric: LearnedMetric) -> list[np.ndarray]:
+    return [problem.refined(keys, metric.scheme, metric) for problem, keys in zip(problems, kept, strict=True)]
+
+
+def _size(compressed: Compressed) -> int:
+    return sum(map(len, compressed.keyframes))
