@@ -1,112 +1,59 @@
-"""Every real file goes through inspect and upsample, with the result that is written down here."""
+"""Every real file goes through every verb, with the result that is written down in `file_table`."""
 
-import contextlib
-import io
-from functools import cache
+import json
+from pathlib import Path
 
 import numpy as np
 import pytest
-from pxr import Usd, UsdSkel, UsdUtils, UsdValidation
+from composed import CHANNELS, differences, errors_of
+from file_table import LETTERS, TABLE
+from pxr import Usd, UsdSkel, UsdUtils
 from rigs import DATA, bits, read
 
 from geomstats_anim import rotations as quat
+from usd_tools.metric_attributes import read_metric
 from usd_tools.resampling import animation_of
 from usd_tools.skel_reader import find_animations, read_clip
 
 pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason=f"the real files are not there: {DATA}")
 
-# Samples before and after doubling, for each animation; or how the refusal ends.
-NOTHING = "has no skeletal animation."
-ANIMATED = {
-    "clips/jumping.usda": [(164, 327)],
-    "clips/pitching.usda": [(160, 319)],
-    "clips/punching.usda": [(36, 71)],
-    "clips/rolling.usda": [(195, 389)],
-    "clips/sitting.usda": [(35, 69)],
-    "usd/bresilla_skel_test_simple.usda": [(3, 5)],
-    "usd/mayausd_HIK_Export.usda": [(101, 201)],
-    "usd/mayausd_framerate.usda": [(2, 3), (2, 3), (2, 3)],
-    "usd/mayausd_skelCube.usda": [(30, 59)],
-    "usd/mayausd_skinCluster.usda": [(101, 201)],
-    "usd/needle_CesiumMan.glb.openusd.usdz": [(48, 95)],
-    "usd/openusd_bake_blendshapes.usda": [(131, 261)],
-    "usd/openusd_bake_blendshapesWithNormals.usda": [(9, 17)],
-    "usd/openusd_bake_dqs.usda": [(30, 59)],
-    "usd/openusd_bake_lbs.usda": [(30, 59)],
-    "usd/openusd_imaging_arm.usda": [(2, 3)],
-    "usd/openusd_imaging_blendshapes.usda": [(3, 5)],
-    "usd/openusd_imaging_dqs.usda": [(5, 9)],
-    "usd/openusd_imaging_lbs.usda": [(5, 9)],
-    "usd/openusd_imaging_skeleton.usda": [(3, 5)],
-    "usd/openusd_root.usda": [(30, 59)],
-    "usd/openusd_skinnedArm.usda": [(2, 3)],
-    "usd/openusd_usdview_arm.usda": [(2, 3)],
-    "usd/openusddotnet_parity-skinned-pennant.usda": [(2, 3)],
-    "usd/tinyusdz_blendshape-and-animation-test-001.usda": [(250, 499)],
-    "usd/tinyusdz_usdskel-001.usda": [(2, 3)],
-    "usd/tinyusdz_usdskel-001.usdc": [(2, 3)],
-    "usd/usdwg_CesiumMan.usdz": [(48, 95)],
-    "usd/usdwg_ElephantWithMonochord/SoC-ElephantWithMonochord.usdc": [(3023, 6045), (3023, 6045)],
-    "usd/usdwg_ElephantWithMonochord/SoC-ElephantWithMonochord_thumbnail.usda": [(3023, 6045), (3023, 6045)],
-    "usd/usdwg_RiggedFigure.usdz": [(2, 3)],
-    "usd/usdwg_RiggedSimple.usdz": [(50, 99)],
-    "usd/usdzstudio_skel.usda": [(2, 3)],
-    "usd/usdzstudio_skel.usdz": [(2, 3)],
-}
-REFUSED = {
-    "usd/bresilla_skel.usda": "/World/Rig/Anim has 0.",
-    "usd/mayausd_materialAssignment.usda": "/SkelAnimation1 has 0.",
-    "usd/mayausd_morpher_box.usd": "/root/Bones/Animations has 0.",  # weights whose number changes
-    "usd/mayausd_skelCubeDq.usda": "/Root/Animation has 0.",
-    "usd/mayausd_skelStaticTimeSampledMesh.usda": "/group1/joint1/Animation has 0.",
-    "usd/openusd_cache_populate.usda": "/AnimBinding/Instance/Anim has 0.",
-    "usd/openusd_imaging_twoBends.usda": "/Root/joint1/Animation has 0.",
-    "usd/openusd_jointInfluences.usda": "/Anim2 has 0.",
-    "usd/openusddotnet_native-usdskel-authored.usda": "/World/Character/Animation has 1.",
-    "usd/tinyusdz_FAIL_usdskel-002.usda": NOTHING,
-    "usd/tinyusdz_blendshape.usda": "/root/Cube/Skel/Anim has 0.",
-    "usd/tinyusdz_simple-blendshape-test-001.usda": NOTHING,
-    "usd/tinyusdz_skeleton-purpose-001.usda": NOTHING,
-}
-CHANNELS = ("rotations", "translations", "scales", "blendShapeWeights")
+ANIMATED = [name for name, row in TABLE.items() if row.upsample is None]
+TAUGHT = [name for name, row in TABLE.items() if row.learn is None]
+OPTIONS = {"upsample": ["--factor", 2]}
+REFUSED = [(verb, name) for verb in ("upsample", "learn") for name, row in TABLE.items() if getattr(row, verb)]
 CLIPS = [name for name in ANIMATED if name.startswith("clips/")] + ["usd/mayausd_HIK_Export.usda"]
+
+
+def sentence(text, path):
+    return text.replace("{}", str(path)).replace("{name}", path.name)
 
 
 def test_no_file_is_forgotten():
     found = {str(path.relative_to(DATA)) for folder in ("clips", "usd") for path in (DATA / folder).rglob("*.usd*")}
-    assert found == {*ANIMATED, *REFUSED}
+    assert found == set(TABLE)
 
 
-@cache
-def validator():
-    return UsdValidation.ValidationContext(UsdValidation.ValidationRegistry().GetOrLoadAllValidators())
-
-
-def errors_of(path):
-    """Names of the errors of a file; places differ between a source and its override."""
-    stage = Usd.Stage.Open(str(path))
-    with contextlib.redirect_stderr(io.StringIO()):
-        return {
-            (error.GetName(), str(error.GetValidator().GetMetadata().name))
-            for error in validator().Validate(stage)
-            if error.GetType() == UsdValidation.ValidationErrorType.Error
-        }
-
-
-@pytest.mark.parametrize("name", [*ANIMATED, *REFUSED])
+@pytest.mark.parametrize("name", TABLE)
 def test_inspect(name, run, inspected):
     told = inspected(DATA / name)
-    counts = [animation.get("samples") for animation in told["animations"]]
-    assert [count for count in counts if count] == [before for before, _ in ANIMATED.get(name, [])]
-    code, out, _ = run("inspect", DATA / name)
+    found = {}
+    for animation in told["animations"]:
+        counts = {channel: of["samples"] or "" for channel, of in animation["channels"].items()}
+        words = (f"{letter}{counts[channel]}" for letter, channel in LETTERS.items() if channel in counts)
+        found[animation["prim"]] = " ".join(words)
+    assert found == TABLE[name].animations
+    assert told["warnings"] == list(TABLE[name].warnings)
+    code, out, err = run("inspect", DATA / name)
     assert (code, "…" in out) == (0, False)
+    assert err == "".join(f"warning: {warning}\n" for warning in TABLE[name].warnings)
 
 
-@pytest.mark.parametrize("name", REFUSED)
-def test_refused(tmp_path, name, run):
-    code, _, err = run("upsample", DATA / name, "-o", tmp_path / "out.usda", "--factor", 2)
-    assert code == 1
-    assert err.splitlines()[-1].startswith("error: ") and err.rstrip().endswith(REFUSED[name])
+@pytest.mark.parametrize(("verb", "name"), REFUSED)
+def test_refused(tmp_path, verb, name, run):
+    words = getattr(TABLE[name], verb)
+    code, out, err = run(verb, DATA / name, "-o", tmp_path / "out.usda", *OPTIONS.get(verb, []))
+    assert (code, out) == (1, "")
+    assert err.splitlines()[-1] == f"error: {sentence(words, DATA / name)}"
     assert list(tmp_path.iterdir()) == []
 
 
@@ -115,7 +62,7 @@ def test_upsample(tmp_path, name, run):
     source, out = DATA / name, tmp_path / "out.usdc"
     code, text, err = run("upsample", source, "-o", out, "--factor", 2, "--alpha", 4, "--beta", 0.5)
     assert (code, err) == (0, "")
-    counts = [f"{before} -> {after} samples" for before, after in ANIMATED[name]]
+    counts = [f"{before} -> {2 * before - 1} samples" for before in TABLE[name].samples]
     assert [count in line for count, line in zip(counts, text.splitlines()[:-1], strict=True)] == [True] * len(counts)
     stage = Usd.Stage.Open(str(source))
     for animation in find_animations(stage):
@@ -127,7 +74,42 @@ def test_upsample(tmp_path, name, run):
             if channel == "rotations" and codes:
                 norms = np.linalg.norm(np.array(new_values)[1::2].astype(np.float64), axis=-1)
                 np.testing.assert_allclose(norms, 1.0, atol=1e-6)
+    assert differences(source, out) == []
     assert errors_of(out) <= errors_of(source)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", TAUGHT)
+def test_learn(tmp_path, name, run):
+    source, out = DATA / name, tmp_path / "out.usdc"
+    code, text, err = run("learn", source, "-o", out)
+    assert (code, err) == (0, "")
+    assert text.count("samples kept as keys") == len(TABLE[name].samples)
+    stage = Usd.Stage.Open(str(out))
+    for animation in find_animations(stage):
+        assert read_metric(animation.prim).joints == read_clip(animation).joints
+    assert differences(source, out, written=()) == []
+    assert errors_of(out) <= errors_of(source)
+
+
+@pytest.mark.slow
+def test_compare(tmp_path, run):
+    out = tmp_path / "out"
+    code, _, err = run("compare", DATA / "usd", "-o", out, "--rates", 0.3, "--schemes", "linear", "slerp")
+    results = json.loads((out / "results.json").read_text())
+    assert code == 0
+    rows = {name: row for name, row in TABLE.items() if name.startswith("usd/")}
+    skipped = {name: row.compare for name, row in rows.items() if row.compare is not None}
+    told = {file["file"]: file["reason"] for file in results["skipped"]}
+    assert told == {Path(name).name: sentence(words, DATA / name) for name, words in skipped.items()}
+    counts = [len(row.samples) for row in rows.values() if row.compare is None]
+    assert (len(results["clips"]), len(results["rows"])) == (sum(counts), 4 * sum(counts))
+    for row in results["rows"]:
+        assert row["error"] is None and (row["q_hyb"] > 0.0 or row["out_of_sample"])
+        if row["usd"] is not None:
+            source = next(clip["file"] for clip in results["clips"] if clip["clip"] == row["clip"])
+            (name,) = (name for name in rows if Path(name).name == source)
+            assert differences(DATA / name, out / row["usd"]) == []
 
 
 @pytest.mark.parametrize("name", CLIPS)

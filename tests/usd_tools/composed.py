@@ -1,0 +1,61 @@
+"""What is on a stage, so that two can be told apart; and the errors that OpenUSD's validators find on one."""
+
+import contextlib
+import io
+from functools import cache
+
+from pxr import Usd, UsdSkel, UsdValidation
+
+OURS = ("geodesicMetric:", "userProperties:geodesicMetric")
+CHANNELS = ("rotations", "translations", "scales", "blendShapeWeights")
+
+
+def differences(source, out, written=CHANNELS):
+    """Names of what is different on the stage of another file, but for what a tool of ours writes there.
+
+    Parameters
+    ----------
+    source, out : path
+    written : names of attributes of animations that may differ
+    """
+    before, after = (_everything(Usd.Stage.Open(str(path)), written) for path in (source, out))
+    return sorted(name for name in {*before, *after} if before.get(name) != after.get(name))
+
+
+def _everything(stage, written):
+    found = {f"stage {key}": stage.GetMetadata(key) for key in ("upAxis", "metersPerUnit", "defaultPrim")}
+    found["stage timeCodesPerSecond"] = stage.GetTimeCodesPerSecond()
+    for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate)):
+        path, metadata = str(prim.GetPath()), prim.GetAllAuthoredMetadata()
+        metadata.get("customData", {}).pop("geodesicMetric", None)
+        if not metadata.get("customData"):
+            metadata.pop("customData", None)
+        found[path] = sorted((key, str(value)) for key, value in metadata.items())
+        skipped = written if prim.IsA(UsdSkel.Animation) else ()
+        for name in prim.GetAuthoredPropertyNames():
+            if name not in skipped and not name.startswith(OURS):
+                found[f"{path}.{name}"] = _value(prim.GetProperty(name))
+    return found
+
+
+def _value(prop):
+    if isinstance(prop, Usd.Relationship):
+        return prop.GetTargets()
+    samples = [(code, repr(prop.Get(code))) for code in prop.GetTimeSamples()]
+    return str(prop.GetTypeName()), repr(prop.Get()), samples, prop.GetConnections()
+
+
+@cache
+def _validator():
+    return UsdValidation.ValidationContext(UsdValidation.ValidationRegistry().GetOrLoadAllValidators())
+
+
+def errors_of(path):
+    """Names of the errors of a file; places differ between a source and its override."""
+    stage = Usd.Stage.Open(str(path))
+    with contextlib.redirect_stderr(io.StringIO()):
+        return {
+            (error.GetName(), str(error.GetValidator().GetMetadata().name))
+            for error in _validator().Validate(stage)
+            if error.GetType() == UsdValidation.ValidationErrorType.Error
+        }
