@@ -6,7 +6,7 @@ it, choosing keys is a shortest path.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -53,10 +53,10 @@ def segment_errors(animation: Animation, candidates: np.ndarray, window: int, me
         infinite beyond the last candidate.
     """
     errors = np.full((len(candidates), window), np.inf)
-    arguments = _arrays(animation, measure)
+    truth = _truth(animation, measure)
 
     def run(part: slice) -> None:
-        _fill(part.start, part.stop, candidates, *arguments, errors)
+        _fill(part.start, part.stop, candidates, truth, errors)
 
     in_threads(run, errors.size)
     return errors
@@ -83,7 +83,7 @@ def fewest(animation: Animation, candidates: np.ndarray, forced: np.ndarray, tol
     """
     nothing = np.zeros(animation.n_joints)
     before = np.zeros(len(candidates), dtype=np.intp)
-    _reach(candidates, forced, *_arrays(animation, Measure(nothing, nothing, True)), tolerance, before)
+    _reach(candidates, forced, _truth(animation, Measure(nothing, nothing, True)), tolerance, before)
     chosen = [len(candidates) - 1]
     while chosen[-1]:
         chosen.append(int(before[chosen[-1]]))
@@ -119,9 +119,25 @@ def cheapest(errors: Array, forced: np.ndarray, count: int, largest: bool) -> np
     return np.array(chosen[::-1], dtype=np.intp)
 
 
-def _arrays(animation: Animation, measure: Measure) -> Any:
+class _Truth(NamedTuple):
+    """What the compiled code needs to know of an animation and a measure."""
+
+    order: np.ndarray
+    parents: np.ndarray
+    bone_ends: Array
+    times: Array
+    rotations: Array
+    translations: Array
+    ends: Array
+    location: Array
+    rotation: Array
+    largest: bool
+
+
+def _truth(animation: Animation, measure: Measure) -> _Truth:
     skeleton = animation.skeleton
-    return (
+    # copies, as compiled code has one variant for arrays that may be written to and another for those that may not
+    return _Truth(
         breadth_first(skeleton),
         np.array(skeleton.parents),
         np.array(skeleton.bone_ends),
@@ -129,23 +145,19 @@ def _arrays(animation: Animation, measure: Measure) -> Any:
         np.array(animation.rotations),
         np.array(animation.translations),
         world_pose(animation).ends,
-        *(np.ascontiguousarray(weights, dtype=np.float64) for weights in (measure.location, measure.rotation)),
+        np.array(measure.location),
+        np.array(measure.rotation),
         measure.largest,
     )
 
 
 @compiled
-def _fill(start, stop, candidates, order, parents, bone_ends, times, rotations, translations, ends, location, rotation,
-          largest, errors):  # fmt: skip
-    n_joints = len(order)
-    angle, world, origin = np.empty((n_joints, 2)), np.empty((n_joints, 4)), np.empty((n_joints, 3))
+def _fill(start, stop, candidates, truth, errors):
+    room = _room(len(truth.order))
     for segment in range(start, stop):
         n, w = divmod(segment, errors.shape[1])
         if n + 1 + w < len(candidates):
-            errors[n, w] = _error(
-                candidates[n], candidates[n + 1 + w], order, parents, bone_ends, times, rotations, translations, ends,
-                location, rotation, largest, np.inf, angle, world, origin,
-            )  # fmt: skip
+            errors[n, w] = _error(candidates[n], candidates[n + 1 + w], truth, np.inf, room)
 
 
 _PATIENCE = 24
@@ -154,21 +166,15 @@ swings back to it by chance, but not after long."""
 
 
 @compiled
-def _reach(candidates, forced, order, parents, bone_ends, times, rotations, translations, ends, location, rotation,
-           largest, tolerance, before):  # fmt: skip
-    n_joints, n_candidates = len(order), len(candidates)
-    angle, world, origin = np.empty((n_joints, 2)), np.empty((n_joints, 4)), np.empty((n_joints, 3))
+def _reach(candidates, forced, truth, tolerance, before):
+    n_candidates, room = len(candidates), _room(len(truth.order))
     keys = np.full(n_candidates, n_candidates + 1)
     keys[0] = 0
     for n in range(n_candidates):
         failed = 0
         for m in range(n + 1, n_candidates):
             if keys[n] + 1 < keys[m]:
-                error = _error(
-                    candidates[n], candidates[m], order, parents, bone_ends, times, rotations, translations, ends,
-                    location, rotation, largest, tolerance, angle, world, origin,
-                )  # fmt: skip
-                if error <= tolerance:
+                if _error(candidates[n], candidates[m], truth, tolerance, room) <= tolerance:
                     failed = 0
                     keys[m] = keys[n] + 1
                     before[m] = n
@@ -201,13 +207,21 @@ def _cheapest(errors, forced, largest, steps):
 
 
 @compiled
-def _error(i, j, order, parents, bone_ends, times, rotations, translations, ends, location, rotation, largest, limit,
-           angle, world, origin):  # fmt: skip
+def _room(n_joints):
+    """Room for a pose: half the angle and the sign of every turn, rotations and origins in the world."""
+    return np.empty((n_joints, 2)), np.empty((n_joints, 4)), np.empty((n_joints, 3))
+
+
+@compiled
+def _error(i, j, truth, limit, room):
     """Error of the segment from frame i to frame j, or any number above the limit if it is above."""
+    times, rotations, translations, largest = truth.times, truth.rotations, truth.translations, truth.largest
+    location, rotation, bone_ends, ends = truth.location, truth.rotation, truth.bone_ends, truth.ends
+    angle, world, origin = room
     n_inner = j - i - 1
     if n_inner < 1:
         return 0.0
-    for b in order:
+    for b in truth.order:
         cosine = 0.0
         for c in range(4):
             cosine += rotations[i, b, c] * rotations[j, b, c]
@@ -220,7 +234,7 @@ def _error(i, j, order, parents, bone_ends, times, rotations, translations, ends
         # from the middle on, where errors are largest, so that the limit is met soon
         f = i + 1 + (step + n_inner // 2) % n_inner
         u = (times[f] - times[i]) / (times[j] - times[i])
-        for b in order:
+        for b in truth.order:
             theta = angle[b, 0]
             if theta > 1e-4:
                 scale = 1.0 / np.sin(theta)
@@ -241,7 +255,7 @@ def _error(i, j, order, parents, bone_ends, times, rotations, translations, ends
                 x = (1.0 - u) * translations[i, b, 0] + u * translations[j, b, 0]
                 y = (1.0 - u) * translations[i, b, 1] + u * translations[j, b, 1]
                 z = (1.0 - u) * translations[i, b, 2] + u * translations[j, b, 2]
-                p = parents[b]
+                p = truth.parents[b]
                 if p >= 0:
                     above = (world[p, 0], world[p, 1], world[p, 2], world[p, 3])
                     q = multiply(above, q)
