@@ -48,7 +48,7 @@ def bend(turned, index, parameter, start, end):
 
 
 @compiled
-def unbend(index, parameter, start, end, cotangent, by_start, by_end):
+def unbend(index, parameter, start, end, cotangent, by_start, by_end, by_axes):
     """Pull the derivative by bent geodesics back to one by the geodesics, in place, and to one by the bends.
 
     A variation of c turns exp(c) by its right Jacobian, whose transpose is the left one (Sola 2017, equation 145).
@@ -61,6 +61,8 @@ def unbend(index, parameter, start, end, cotangent, by_start, by_end):
         Derivative by the body variation of the bent geodesics; that by the geodesics' own is written over it.
     by_start, by_end : array-like, shape=[n, B, 3]
         Added to: derivatives by the bends.
+    by_axes : array-like, shape=[n, B, 3]
+        Added to: what the cotangent loses, as what is outside the bend turns with the axes as a whole.
     """
     for f in range(len(index)):
         u, k = parameter[f], index[f]
@@ -85,4 +87,18 @@ def unbend(index, parameter, start, end, cotangent, by_start, by_end):
                 by_cubic = x[i] + versine * once[i] + rest * twice[i]
                 by_start[k, b, i] += first * by_cubic
                 by_end[k, b, i] += second * by_cubic
-                cotangent[f, b, i] = x[i] + sine * once[i] + versine * twice[i]
+                turned = sine * once[i] + versine * twice[i]
+                by_axes[k, b, i] -= turned
+                cotangent[f, b, i] = x[i] + turned
+
+
+@compiled
+def gather(index, parameter, cotangent, by_start, by_end):
+    """Pull the derivative by points, shape=[F, B, 3], that c has been added to back to one by the bends, and add it."""
+    for f in range(len(index)):
+        k = index[f]
+        first, second = _weights(parameter[f])
+        for b in range(cotangent.shape[1]):
+            for i in range(3):
+                by_start[k, b, i] += first * cotangent[f, b, i]
+                by_end[k, b, i] += second * cotangent[f, b, i]

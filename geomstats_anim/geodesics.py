@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from enum import IntEnum
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -137,8 +138,8 @@ class PoseGeodesics:
         joint, in the parent's frame for a right-invariant one.
     status : array-like of int, shape=[n, B]
         `LogStatus` of each; where none was found, it is the bi-invariant geodesic.
-    residual, length : array-like, shape=[n, B]
-        Miss of the end point in radians, and length in the metric; infinite where none was found.
+    residual : array-like, shape=[n, B]
+        Miss of the end point in radians.
     iterations : array-like of int, shape=[n, B]
         Shots taken.
     """
@@ -151,10 +152,21 @@ class PoseGeodesics:
         self._turn: Array | None = None
         self.status = np.full(shape, LogStatus.CONVERGED)
         self.residual, self.iterations = np.zeros(shape), np.zeros(shape, dtype=np.intp)
-        self._inverse_moments = np.broadcast_to(1.0 / parameters.moments, velocity.shape)
-        outward = np.where(parameters.is_right, -1.0, 1.0)[:, None]
-        self._momentum = parameters.along_axes(outward * velocity) / self._inverse_moments
-        self.length = np.sqrt((self._momentum**2 * self._inverse_moments).sum(axis=-1))
+
+    @cached_property
+    def _inverse_moments(self) -> Array:
+        return np.broadcast_to(1.0 / self.parameters.moments, self.velocity.shape)
+
+    @cached_property
+    def _momentum(self) -> Array:
+        outward = np.where(self.parameters.is_right, -1.0, 1.0)[:, None]
+        return self.parameters.along_axes(outward * self.velocity) / self._inverse_moments
+
+    @cached_property
+    def length(self) -> Array:
+        """Length in the metric, shape=[n, B]; infinite where none was found."""
+        length = np.sqrt((self._momentum**2 * self._inverse_moments).sum(axis=-1))
+        return np.where(self.status == LogStatus.CONVERGED, length, np.inf)
 
     @classmethod
     def between(
@@ -185,7 +197,7 @@ class PoseGeodesics:
         geodesics : PoseGeodesics
             The end is at parameter 1.
         """
-        is_right = parameters.is_right[:, None]
+        outward = np.where(parameters.is_right, -1.0, 1.0)[:, None]
         vector = np.empty((*initial.shape[:2], 3))
         normal_form.targets(
             quat.plain(initial), quat.plain(end), parameters.is_right, parameters.axes_quaternions, vector
@@ -193,7 +205,6 @@ class PoseGeodesics:
         moments = np.broadcast_to(parameters.moments, vector.shape)
         start = None
         if near is not None:
-            outward = np.where(is_right, -1.0, 1.0)
             start = (moments * parameters.along_axes(outward * near)).reshape(-1, 3)
         found = shortest_momenta(moments.reshape(-1, 3), vector.reshape(-1, 3), start, effort)
 
@@ -201,13 +212,11 @@ class PoseGeodesics:
         converged = (found.status == LogStatus.CONVERGED).reshape(*shape, 1)
         momentum = np.where(converged, found.momentum.reshape(vector.shape), vector)
         inverse_moments = np.where(converged, 1.0 / moments, 1.0)
-        velocity = parameters.from_axes(momentum * inverse_moments)
-        geodesics = cls(initial, np.where(is_right, -velocity, velocity), parameters)
+        geodesics = cls(initial, outward * parameters.from_axes(momentum * inverse_moments), parameters)
         geodesics._momentum, geodesics._inverse_moments = momentum, inverse_moments
         geodesics._turn = quat.exp(vector)
         geodesics.status = found.status.reshape(shape)
         geodesics.residual, geodesics.iterations = found.residual.reshape(shape), found.shots.reshape(shape)
-        geodesics.length = np.where(converged[..., 0], np.sqrt(found.energy.reshape(shape)), np.inf)
         return geodesics
 
     def __call__(self, index: np.ndarray, parameter: Array) -> Array:

@@ -223,8 +223,8 @@ def _long_way(vector: Array) -> Array:
 
 
 def _bi_invariant_energy(moments: Array, vector: Array) -> Array:
-    """Squared length of the shorter of the two turns about the rotation's axis; the shortest geodesic needs no more."""
-    return np.minimum((moments * vector**2).sum(axis=-1), (moments * _long_way(vector) ** 2).sum(axis=-1))
+    """Squared length of the turn about the rotation's axis; the shortest geodesic needs no more."""
+    return (moments * vector**2).sum(axis=-1)
 
 
 def _directions(turn: int) -> Array:

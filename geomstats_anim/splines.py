@@ -7,9 +7,12 @@ initial pose are arranged as in `geodesics`, so a spline shares the symmetries o
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 
 from geomstats_anim import bending
+from geomstats_anim import rotations as quat
 from geomstats_anim.geodesics import PoseGeodesics
 from geomstats_anim.parameters import MetricParameters
 from geomstats_anim.rotations import Array
@@ -106,17 +109,15 @@ class PoseSpline:
         n_segments, n_joints = len(self._durations), inward.shape[1]
         if self._velocities is None:
             return self.geodesics.pull_back_turns(index, parameter, inward), np.zeros(n_joints)
-        by_start, by_end = np.zeros((n_segments, n_joints, 3)), np.zeros((n_segments, n_joints, 3))
-        unbent = inward.copy()
-        bending.unbend(index, np.array(parameter), *self._velocities.bends, unbent, by_start, by_end)
+        by_start, by_end, by_axes = (np.zeros((n_segments, n_joints, 3)) for _ in range(3))
+        bending.unbend(index, np.array(parameter), *self._velocities.bends, inward, by_start, by_end, by_axes)
         start, end, *accelerations, by_tension = self._velocities.pull_back((by_start, by_end))
         per_second = 1.0 / self._durations[:, None, None]
         partial = self._ends.pull_back(
             start * per_second, end * per_second, *(by * per_second**2 for by in accelerations)
         )
-        # what is outside the bend turns with the axes as a whole, see `sensitivity`
-        np.add.at(partial[..., 5:], index, inward - unbent)
-        return self.geodesics.pull_back_turns(index, parameter, unbent, partial), by_tension
+        partial[..., 5:] += by_axes
+        return self.geodesics.pull_back_turns(index, parameter, inward, partial), by_tension
 
 
 class PathSpline:
@@ -136,6 +137,12 @@ class PathSpline:
         slopes = np.diff(keys, axis=0) / durations[:, None, None]
         self._velocities = KeyVelocities(durations, slopes, slopes, tension)
 
+    def tightened(self, tension: Array) -> PathSpline:
+        """Take another tension, shape=[B], which is quick."""
+        other = copy(self)
+        other._velocities = self._velocities.tightened(tension)
+        return other
+
     def __call__(self, index: np.ndarray, parameter: Array) -> Array:
         """Evaluate points at shares of segments, shape=[F, B, 3]; see `PoseSpline`."""
         weight = parameter[:, None, None]
@@ -146,9 +153,6 @@ class PathSpline:
 
     def pull_back(self, index: np.ndarray, parameter: Array, cotangent: Array) -> Array:
         """Pull the derivative of a scalar by points, shape=[F, B, 3], back to one by the tension, shape=[B]."""
-        bends = []
-        for weights in hermite(parameter):
-            total = np.zeros((len(self._keys) - 1, *self._keys.shape[1:]))
-            np.add.at(total, index, weights[:, None, None] * cotangent)
-            bends.append(total)
-        return self._velocities.by_tension((bends[0], bends[1]))
+        by_start, by_end = (np.zeros((len(self._keys) - 1, *self._keys.shape[1:])) for _ in range(2))
+        bending.gather(index, np.array(parameter), quat.plain(cotangent), by_start, by_end)
+        return self._velocities.by_tension((by_start, by_end))

@@ -20,6 +20,7 @@ At both ends c'' is 0, the natural end. Where a segment does not move, v is 0 at
 
 from __future__ import annotations
 
+from copy import copy
 from typing import NamedTuple
 
 import numpy as np
@@ -36,23 +37,27 @@ _NATURAL = 0.5
 
 
 class _Rows(NamedTuple):
-    """Equations for the velocities at the keys, a row a key, each array of shape=[K, B].
+    """Equations for the velocities at the keys, a row a key.
 
-    lower v_{k-1} + main v_k + upper v_{k+1} = arriving . (w^-, w^+)_{k-1} + leaving . (w^-, w^+)_k
+    lower v_{k-1} + main v_k + upper v_{k+1} = sources . (w^-_{k-1}, w^+_{k-1}, w^-_k, w^+_k)
+
+    Attributes
+    ----------
+    matrix : array-like, shape=[3, K, B]
+        lower, main and upper.
+    sources : array-like, shape=[4, K, B]
     """
 
-    lower: Array
-    main: Array
-    upper: Array
-    arriving: tuple[Array, Array]
-    leaving: tuple[Array, Array]
+    matrix: Array
+    sources: Array
 
     @property
-    def transposed(self) -> tuple[Array, Array, Array]:
+    def transposed(self) -> Array:
         """Coefficients of the transposed equations."""
-        lower, upper = np.zeros_like(self.lower), np.zeros_like(self.upper)
-        lower[1:], upper[:-1] = self.upper[:-1], self.lower[1:]
-        return lower, self.main, upper
+        lower, main, upper = self.matrix
+        matrix = np.zeros_like(self.matrix)
+        matrix[0, 1:], matrix[1], matrix[2, :-1] = upper[:-1], main, lower[1:]
+        return matrix
 
 
 class KeyVelocities:
@@ -86,22 +91,34 @@ class KeyVelocities:
     ) -> None:
         self._durations = durations[:, None, None]
         self._start, self._end = start, end
-        holds = np.linalg.norm(start * self._durations, axis=-1) <= STILL
-        self._local, self._smooth = _local_rows(durations, holds), _smooth_rows(durations, holds)
+        holds = ((start * self._durations) ** 2).sum(axis=-1) <= STILL**2
+        self._local, self._smooth = (_rows(durations, holds, is_smooth) for is_smooth in (False, True))
         self._turn = np.zeros((len(durations) + 1, *start.shape[1:]))
         right = _right_side(self._smooth, start, end)
         if accelerations is not None:
             # only rows of inner keys that move have lower and upper coefficients both
-            self._inner = ((self._smooth.lower * self._smooth.upper)[1:-1] != 0.0)[..., None]
+            lower, _, upper = self._smooth.matrix
+            self._inner = ((lower * upper)[1:-1] != 0.0)[..., None]
             self._turn[1:-1] = self._inner * (start[1:] - end[:-1])
             right[1:-1] += self._inner * (accelerations[0][1:] - accelerations[1][:-1])
-        self._local_velocity = _solve(self._local[:3], np.zeros_like(self._turn), _right_side(self._local, start, end))
-        self._smooth_velocity = _solve(self._smooth[:3], self._turn, right)
+        self._local_velocity = _solve(
+            self._local.matrix, np.zeros_like(self._turn), _right_side(self._local, start, end)
+        )
+        self._smooth_velocity = _solve(self._smooth.matrix, self._turn, right)
+        self._tighten(tension)
+
+    def tightened(self, tension: Array) -> KeyVelocities:
+        """Take another tension, shape=[B], which is quick."""
+        other = copy(self)
+        other._tighten(tension)
+        return other
+
+    def _tighten(self, tension: Array) -> None:
         self._tension = tension
         self._strength = np.minimum(tension, 1.0)[:, None]
         self._smoothness = 0.5 * np.maximum(tension, 1.0)[:, None]
         velocity = self._local_velocity + self._smoothness * (self._smooth_velocity - self._local_velocity)
-        self._change = self._durations * (velocity[:-1] - start), self._durations * (velocity[1:] - end)
+        self._change = self._durations * (velocity[:-1] - self._start), self._durations * (velocity[1:] - self._end)
         self.bends = self._strength * self._change[0], self._strength * self._change[1]
 
     def pull_back(self, bends: tuple[Array, Array]) -> tuple[Array, Array, Array, Array, Array]:
@@ -122,9 +139,9 @@ class KeyVelocities:
         by_velocity[1:] += by_change[1]
         start, end = -by_change[0], -by_change[1]
         by_row = _solve(self._local.transposed, np.zeros_like(self._turn), (1.0 - self._smoothness) * by_velocity)
-        _add_right_side(self._local, by_row, start, end)
+        _add_right_side(self._local.sources, by_row, start, end)
         by_row = _solve(self._smooth.transposed, -self._turn, self._smoothness * by_velocity)
-        _add_right_side(self._smooth, by_row, start, end)
+        _add_right_side(self._smooth.sources, by_row, start, end)
         by_turn = quat.cross(self._smooth_velocity, by_row)[1:-1] * self._inner
         start[1:] += by_turn
         end[:-1] -= by_turn
@@ -150,64 +167,73 @@ def hermite(parameter: Array) -> tuple[Array, Array]:
     return parameter * rest**2, -(parameter**2) * rest
 
 
-def _empty_rows(durations: Array, holds: np.ndarray) -> _Rows:
-    """Rows of the natural ends; zero at the inner keys."""
-    lower, main, upper, *rest = (np.zeros((len(durations) + 1, holds.shape[1])) for _ in range(7))
-    main[[0, -1]] = 1.0
-    upper[0] = lower[-1] = _NATURAL
-    (before_start, before_end), (after_start, after_end) = rest[:2], rest[2:]
-    after_start[0] = before_end[-1] = 1.0
-    after_end[0] = before_start[-1] = _NATURAL
-    return _Rows(lower, main, upper, (before_start, before_end), (after_start, after_end))
-
-
-def _hold(rows: _Rows, holds: np.ndarray) -> _Rows:
-    """Let the keys of segments that do not move be at rest."""
-    at_rest = np.zeros_like(rows.main, dtype=bool)
-    at_rest[:-1] |= holds
-    at_rest[1:] |= holds
-    for coefficients in (rows.lower, rows.upper, *rows.arriving, *rows.leaving):
-        coefficients[at_rest] = 0.0
-    rows.main[at_rest] = 1.0
+def _rows(durations: Array, holds: np.ndarray, is_smooth: bool) -> _Rows:
+    rows = _Rows(*(np.zeros((n, len(durations) + 1, holds.shape[1])) for n in (3, 4)))
+    _fill_rows(np.array(durations), holds, is_smooth, rows.matrix, rows.sources)
     return rows
 
 
-def _local_rows(durations: Array, holds: np.ndarray) -> _Rows:
-    rows = _empty_rows(durations, holds)
-    before, after = durations[:-1, None], durations[1:, None]
-    rows.main[1:-1] = 1.0
-    rows.arriving[1][1:-1] = after / (before + after)
-    rows.leaving[0][1:-1] = before / (before + after)
-    return _hold(rows, holds)
-
-
-def _smooth_rows(durations: Array, holds: np.ndarray) -> _Rows:
-    rows = _empty_rows(durations, holds)
-    before, after = 2.0 / durations[:-1, None], 2.0 / durations[1:, None]
-    rows.lower[1:-1], rows.main[1:-1], rows.upper[1:-1] = before, 2.0 * (before + after), after
-    rows.arriving[0][1:-1], rows.arriving[1][1:-1] = before, 2.0 * before
-    rows.leaving[0][1:-1], rows.leaving[1][1:-1] = 2.0 * after, after
-    return _hold(rows, holds)
+@compiled
+def _fill_rows(durations, holds, is_smooth, matrix, sources):
+    n_keys, n_joints = matrix.shape[1:]
+    for k in range(n_keys):
+        for b in range(n_joints):
+            if (k > 0 and holds[k - 1, b]) or (k < n_keys - 1 and holds[k, b]):
+                # the keys of segments that do not move are at rest
+                matrix[1, k, b] = 1.0
+            elif k == 0:
+                matrix[1, k, b], matrix[2, k, b] = 1.0, _NATURAL
+                sources[2, k, b], sources[3, k, b] = 1.0, _NATURAL
+            elif k == n_keys - 1:
+                matrix[0, k, b], matrix[1, k, b] = _NATURAL, 1.0
+                sources[0, k, b], sources[1, k, b] = _NATURAL, 1.0
+            elif is_smooth:
+                before, after = 2.0 / durations[k - 1], 2.0 / durations[k]
+                matrix[0, k, b], matrix[1, k, b], matrix[2, k, b] = before, 2.0 * (before + after), after
+                sources[0, k, b], sources[1, k, b] = before, 2.0 * before
+                sources[2, k, b], sources[3, k, b] = 2.0 * after, after
+            else:
+                before, after = durations[k - 1], durations[k]
+                matrix[1, k, b] = 1.0
+                sources[1, k, b], sources[2, k, b] = after / (before + after), before / (before + after)
 
 
 def _right_side(rows: _Rows, start: Array, end: Array) -> Array:
     right = np.zeros((len(start) + 1, *start.shape[1:]))
-    for own, from_before, from_after in zip((start, end), rows.arriving, rows.leaving, strict=True):
-        right[1:] += from_before[1:, :, None] * own
-        right[:-1] += from_after[:-1, :, None] * own
+    _fill_right_side(rows.sources, np.array(start, order="C"), np.array(end, order="C"), right)
     return right
 
 
-def _add_right_side(rows: _Rows, by_row: Array, start: Array, end: Array) -> None:
+@compiled
+def _fill_right_side(sources, start, end, right):
+    for k in range(len(right)):
+        for b in range(right.shape[1]):
+            for i in range(3):
+                if k > 0:
+                    right[k, b, i] += sources[0, k, b] * start[k - 1, b, i] + sources[1, k, b] * end[k - 1, b, i]
+                if k < len(start):
+                    right[k, b, i] += sources[2, k, b] * start[k, b, i] + sources[3, k, b] * end[k, b, i]
+
+
+@compiled
+def _add_right_side(sources, by_row, start, end):
     """Pull a derivative by `_right_side` back, and add it."""
-    for own, from_before, from_after in zip((start, end), rows.arriving, rows.leaving, strict=True):
-        own += from_before[1:, :, None] * by_row[1:] + from_after[:-1, :, None] * by_row[:-1]
+    for k in range(len(by_row)):
+        for b in range(by_row.shape[1]):
+            for i in range(3):
+                if k > 0:
+                    start[k - 1, b, i] += sources[0, k, b] * by_row[k, b, i]
+                    end[k - 1, b, i] += sources[1, k, b] * by_row[k, b, i]
+                if k < len(start):
+                    start[k, b, i] += sources[2, k, b] * by_row[k, b, i]
+                    end[k, b, i] += sources[3, k, b] * by_row[k, b, i]
 
 
-def _solve(coefficients: tuple[Array, Array, Array], turn: Array, right: Array) -> Array:
+def _solve(matrix: Array, turn: Array, right: Array) -> Array:
     """Solve lower v_{k-1} + main v_k + v_k x turn_k + upper v_{k+1} = right_k for v, shape=[K, B, 3]."""
     out = np.empty_like(right)
-    _eliminate(*coefficients, turn, right, out)
+    lower, main, upper = matrix
+    _eliminate(lower, main, upper, turn, right, out)
     return out
 
 

@@ -59,6 +59,7 @@ class Objective:
         self._counts = scored
         by_joint = joint_weights(self.weights, animation.skeleton) / max(1, scored.sum())
         self._weights = scored[:, None] * by_joint
+        self._path = PathSpline(keys.times, keys.translations, np.zeros(keys.n_joints))
         self._memory = RotationMemory()
         # the last geodesics of each side help to find the next
         self._velocities = np.full((2, keys.n_joints, keys.n_frames - 1, 3), np.nan)
@@ -112,7 +113,7 @@ class Objective:
         rotation = _smooth(quat.distance(self.animation.rotations, rotations))
         part = self._shares.rotation * rotation
         if self._shares.location:
-            translations = self._path(curve)(self._segment, self._fraction)
+            translations = self._path.tightened(curve.translation_tension)(self._segment, self._fraction)
             miss = place(self.animation.skeleton, rotations, translations).ends - self._truth
             part += self._shares.location * (miss**2).sum(axis=-1)
         return np.stack([(self._weights * errors).sum(axis=0) for errors in (rotation, part)])
@@ -137,7 +138,7 @@ class Objective:
         errors, cotangent = _turned_apart(self.animation.rotations, rotations, self._shares.rotation * self._weights)
         value = float(errors.sum())
         if self._shares.location:
-            path = self._path(curve)
+            path = self._path.tightened(curve.translation_tension)
             pose = place(skeleton, rotations, path(self._segment, self._fraction))
             miss = pose.ends - self._truth
             weights = self._shares.location * self._weights
@@ -163,9 +164,6 @@ class Objective:
         spline = PoseSpline(keys.times, keys.rotations[:, joints], curve.metric, curve.tension, near, effort)
         self._velocities[sides, joints] = spline.geodesics.velocity.swapaxes(0, 1)
         return spline
-
-    def _path(self, curve: CurveParameters) -> PathSpline:
-        return PathSpline(self._keys.times, self._keys.translations, curve.translation_tension)
 
 
 def _smooth(angle: Array) -> Array:

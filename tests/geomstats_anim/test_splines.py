@@ -319,3 +319,17 @@ def test_tensions_out_of_range(name, value, shown):
     tensions[name] = np.array([1.0, value, 1.0])
     with pytest.raises(ValueError, match=f"^{name} of joint 1 is {shown}; it must be from 0 to 2[.]$"):
         CurveParameters(MetricParameters.identity(3), **tensions)
+
+
+def test_another_tension_gives_what_a_new_path_gives():
+    rng = np.random.default_rng(9)
+    times, points = np.cumsum(rng.uniform(0.1, 1.0, 6)), rng.normal(size=(6, 3, 3))
+    index, parameter = np.repeat(np.arange(5), 4), np.tile([0.0, 0.3, 0.7, 1.0], 5)
+    cotangent = rng.normal(size=(20, 3, 3))
+    path = PathSpline(times, points, np.zeros(3))
+    for tension in rng.uniform(0.0, 2.0, (5, 3)):
+        path, anew = path.tightened(tension), PathSpline(times, points, tension)
+        np.testing.assert_array_equal(path(index, parameter), anew(index, parameter))
+        np.testing.assert_array_equal(
+            path.pull_back(index, parameter, cotangent), anew.pull_back(index, parameter, cotangent)
+        )
