@@ -9,7 +9,7 @@ from pathlib import Path
 from pxr import Sdf
 
 from usd_tools.errors import Messages, ToolError
-from usd_tools.files import EXTENSIONS, open_stage, same_file
+from usd_tools.files import EXTENSIONS, open_stage, reading, same_file
 from usd_tools.selection import selected
 from usd_tools.skel_reader import SkelClip, find_animations, read_clip
 from usd_tools.skel_writer import TOOL
@@ -89,7 +89,8 @@ def read_clips(path: Path, prims: Sequence[str], messages: Messages) -> list[Ske
         If it cannot be read, has none, or `prims` chooses none.
     """
     try:
-        clips = [read_clip(source) for source in selected(path, find_animations(open_stage(path)), prims)]
+        with reading(path):
+            clips = [read_clip(source) for source in selected(path, find_animations(open_stage(path)), prims)]
     except ToolError as error:
         raise ToolError(str(error) if str(path) in str(error) else f"{path}: {error}") from error
     for clip in clips:

@@ -7,11 +7,15 @@ import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 from pxr import Tf, UsdUtils
 
 TEMPORARY = "geomstats_anim-"
 """How the names of temporary folders begin."""
+
+LONGEST = 400
+"""Characters of what OpenUSD says: of a broken file it may list every part."""
 
 
 class ToolError(Exception):
@@ -33,13 +37,18 @@ class Messages:
 
 def commentary(error: Tf.ErrorException) -> str:
     """Tell in one line what OpenUSD says in several: its first error, without places in its source code."""
-    return _one_line(error.args[0].commentary) if error.args else "OpenUSD gives no reason"
+    return _one_line(error.args[0]) if error.args else "OpenUSD gives no reason"
 
 
-def _one_line(text: str) -> str:
+def _one_line(diagnostic: Any) -> str:
+    try:
+        text = diagnostic.commentary
+    except UnicodeDecodeError as error:  # it quotes a file that is not UTF-8
+        text = error.object.decode(errors="replace")
     # Addresses in memory and temporary folders differ from run to run, and say nothing to a user.
-    meaningless = rf"\(instantiating stage on stage .*?>\)|<0x[0-9a-f]+>|/[^@\s]*/{TEMPORARY}\w+/"
-    return " ".join(re.sub(meaningless, "", text).split())
+    meaningless = rf"\(instantiating stage on stage .*?>\)|<0x[0-9a-f]+>|pxrInternal_\w+?__(pxrReserved___)?(::)?|/[^@\s]*/{TEMPORARY}\w+/"
+    line = " ".join(re.sub(meaningless, "", text).split())
+    return line if len(line) <= LONGEST else f"{line[:LONGEST]}..."
 
 
 @contextmanager
@@ -50,7 +59,7 @@ def usd_warnings(messages: Messages) -> Iterator[None]:
         yield
     finally:
         for diagnostic in delegate.TakeUncoalescedDiagnostics():
-            messages.warn(_one_line(diagnostic.commentary))
+            messages.warn(_one_line(diagnostic))
 
 
 def run(command: Callable[[], int]) -> int:

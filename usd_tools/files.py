@@ -37,10 +37,25 @@ def open_stage(path: Path) -> Usd.Stage:
     check_input(path, "a USD file")
     if path.suffix.lower() not in EXTENSIONS:
         raise ToolError(f"{path} is not a USD file; its name must end in {', '.join(EXTENSIONS)}.")
-    try:
+    with reading(path):
         return Usd.Stage.Open(str(path))
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """Turn what OpenUSD says of a broken file into an error: much of a file is read only when it is asked for.
+
+    Raises
+    ------
+    ToolError
+        If something in it cannot be read.
+    """
+    try:
+        yield
     except Tf.ErrorException as error:
         raise ToolError(f"{path} cannot be read as USD: {commentary(error).rstrip('.')}.") from error
+    except UnicodeDecodeError as error:
+        raise ToolError(f"{path} cannot be read as USD: it has names that are not UTF-8.") from error
 
 
 def check_input(path: Path, what: str) -> None:

@@ -22,7 +22,7 @@ from pxr import Usd, UsdGeom, UsdSkel
 from usd_tools import metric_meaning
 from usd_tools.channels import Channel
 from usd_tools.errors import Messages, ToolError, run, usd_warnings
-from usd_tools.files import open_stage
+from usd_tools.files import open_stage, reading
 from usd_tools.metric_attributes import read_metric, summary
 from usd_tools.metric_meaning import JointMeaning, joint_meanings, worth
 from usd_tools.rotation_steps import (
@@ -57,7 +57,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def inspect(args: argparse.Namespace) -> int:
     """Do what the arguments say."""
     messages = Messages()
-    with usd_warnings(messages):
+    with usd_warnings(messages), reading(args.input):
         stage = open_stage(args.input)
         described = describe(stage, args.input, messages)
     described["warnings"] = messages.warnings

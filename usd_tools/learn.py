@@ -23,7 +23,7 @@ from usd_tools import learn_report, output, selection
 from usd_tools.arguments import add_workers, seed, share, whole_number
 from usd_tools.corpus_files import Skipped, files_in, gather, read_clips, take_all
 from usd_tools.errors import Messages, ToolError, run, usd_warnings
-from usd_tools.files import EXTENSIONS, check_output, open_stage, same_file, write_json, written_beside
+from usd_tools.files import EXTENSIONS, check_output, open_stage, reading, same_file, write_json, written_beside
 from usd_tools.lesson import PAPERS_RATE, Lesson, Recipe, teach
 from usd_tools.output import Output, check_report
 from usd_tools.progress import Progress, SearchProgress
@@ -165,7 +165,7 @@ def _learn_usd(args: argparse.Namespace, messages: Messages) -> int:
         raise ToolError(f"--out {args.out}: the name must end in {', '.join(EXTENSIONS)}, .json.")
     target = Output.of(args, path)
     target.check()
-    with usd_warnings(messages):
+    with usd_warnings(messages), reading(path):
         stage = open_stage(path)
         target.check_layers(stage)
         taken, skipped = take_all(path, read_clips(path, args.prim, messages), messages)

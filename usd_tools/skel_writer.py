@@ -223,9 +223,12 @@ def _save_package(override: Sdf.Layer, source: Path, out: Path, flatten: bool) -
     with tempfile.TemporaryDirectory(prefix=TEMPORARY) as folder:
         if source.suffix == ".usdz":
             # A package in a package is not valid usdz, so the source is packed anew.
-            with zipfile.ZipFile(source) as package:
-                package.extractall(folder)
-                source = Path(folder) / package.namelist()[0]
+            try:
+                with zipfile.ZipFile(source) as package:
+                    package.extractall(folder)
+                    source = Path(folder) / package.namelist()[0]
+            except zipfile.BadZipFile as error:
+                raise ToolError(f"{source} is broken: {str(error).rstrip('.')}; pack it again.") from error
         root = Path(folder) / f"{out.stem}.usdc"
         while root.exists():
             root = root.with_stem(f"{root.stem}_over")

@@ -21,7 +21,7 @@ from usd_tools import output, selection
 from usd_tools.arguments import positive_number, whole_number
 from usd_tools.effective_metric import EffectiveMetric, effective_metrics
 from usd_tools.errors import Messages, ToolError, run, usd_warnings
-from usd_tools.files import open_stage, write_json
+from usd_tools.files import open_stage, reading, write_json
 from usd_tools.output import Output
 from usd_tools.progress import Progress
 from usd_tools.resampling import Resampled, at_rate, resample, subdivided, with_codes
@@ -102,7 +102,7 @@ def upsample(args: argparse.Namespace) -> int:
     with usd_warnings(messages):
         stage = open_stage(args.input)
     target.check_layers(stage)
-    with usd_warnings(messages):
+    with usd_warnings(messages), reading(args.input):
         clips = _animated(args.input, selection.selected(args.input, find_animations(stage), args.prim), messages)
         styles = [Style("*", args.alpha, args.beta, args.invariance), *args.joint]
         if styles[0] == Style("*"):

@@ -1,0 +1,147 @@
+"""One broken file and one command: what must be true of it, whatever is in the file."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import os
+import re
+import sys
+import tempfile
+import traceback
+from dataclasses import dataclass
+from pathlib import Path
+from random import Random
+
+from pxr import Usd
+
+from tests.fuzz.mutations import broken
+from tests.fuzz.seeds import seeds
+
+KINDS = (".usda", ".usda", ".usda", ".usdc", ".usdc", ".bvh", ".bvh", ".usdz")
+_UPSAMPLE = (
+    ("--factor", "3", "-o", "out.usda"),
+    ("--factor", "2", "--alpha", "4", "--beta", ".5", "-o", "out.usdc"),
+    ("--fps", "60", "--retime", "-o", "out.usda", "--flatten"),
+    ("--times", "0.5,1.25", "--scheme", "squad", "-o", "out.usda"),
+    ("--factor", "2", "--scheme", "geodesic", "--joint", "*arm*:alpha=3", "-o", "out.usdz"),
+)
+_DOWNSAMPLE = (("--rate", ".5", "-o", "out.usda"), ("--tolerance", "1", "-o", "out.usdc"))
+VERBS = {
+    verb: importlib.import_module(f"usd_tools.{verb}")
+    for verb in ("inspect", "upsample", "learn", "downsample", "from_bvh")
+    if importlib.util.find_spec(f"usd_tools.{verb}")
+}
+COMMANDS = {
+    "inspect": ((), ("--json",)),
+    "upsample": _UPSAMPLE,
+    "learn": (("--rate", ".4", "-o", "out.usda"),),
+    "downsample": _DOWNSAMPLE,
+}
+SHARES = {"inspect": 2, "upsample": 6, "learn": 1, "downsample": 3}
+FROM_BVH = (("-o", "out.usda"), ("-o", "out.usdc", "--skip-first"), ("-o", "out.usdz", "--fps", "30", "--up", "Z"))
+_VERBS = [verb for verb in COMMANDS if verb in VERBS for _ in range(SHARES[verb])]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A number's file and command."""
+
+    number: int
+    suffix: str
+    data: bytes
+    verb: str
+    options: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """Name of the file."""
+        return f"in{self.number}{self.suffix}"
+
+    @property
+    def command(self) -> str:
+        """Command line."""
+        return " ".join(["python -m", f"usd_tools.{self.verb}", self.name, *self.options])
+
+
+class Trials:
+    """The trial of every number."""
+
+    def __init__(self, seed: int) -> None:
+        self._seed, self._files = seed, seeds()
+
+    def __getitem__(self, number: int) -> Trial:
+        """Make one."""
+        random = Random(f"{self._seed} {number}")
+        suffix = random.choice(KINDS)
+        files = self._files[suffix]
+        data = broken(random.choice(files), files, suffix in (".usda", ".bvh"), random)
+        verb = "from_bvh" if suffix == ".bvh" else random.choice(_VERBS)
+        return Trial(number, suffix, data, verb, random.choice(FROM_BVH if suffix == ".bvh" else COMMANDS[verb]))
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a trial: "accepted", "refused" with a sentence, or "failed" with what is wrong."""
+
+    result: str
+    words: str = ""
+
+
+def perform(trial: Trial, folder: Path) -> Outcome:
+    """Run a trial in this process; the working folder and the streams are changed and put back."""
+    here, streams = os.getcwd(), [os.dup(1), os.dup(2)]
+    work, scratch, told = folder / "work", folder / "scratch", folder / "told"
+    for each in (work, scratch, told):
+        each.mkdir(exist_ok=True)
+    tempfile.tempdir = str(scratch)
+    try:
+        os.chdir(work)
+        Path(trial.name).write_bytes(trial.data)
+        for stream, name in ((1, "out"), (2, "err")):
+            file = os.open(told / name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+            os.dup2(file, stream)
+            os.close(file)
+        code = _call(trial)
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        for stream, saved in enumerate(streams, 1):
+            os.dup2(saved, stream)
+            os.close(saved)
+        tempfile.tempdir = None
+    outcome = _judge(trial, code, (told / "err").read_text(encoding="utf-8", errors="replace"), scratch)
+    for path in Path().iterdir():
+        path.unlink()
+    os.chdir(here)
+    return outcome
+
+
+def _call(trial: Trial) -> int | str:
+    try:
+        return VERBS[trial.verb].main([trial.name, *trial.options])
+    except BaseException:  # also an exit
+        return traceback.format_exc()
+
+
+def _judge(trial: Trial, code: int | str, err: str, scratch: Path) -> Outcome:
+    lines = err.splitlines()
+    if isinstance(code, str) or "Traceback" in err:
+        return Outcome("failed", f"traceback: {code}{err}")
+    out = Path(trial.options[trial.options.index("-o") + 1]) if "-o" in trial.options else None
+    allowed = {trial.name} | ({str(out)} if out and code == 0 else set())
+    if {path.name for path in Path().iterdir()} != allowed or list(scratch.iterdir()):
+        left = [str(path) for path in (*Path().iterdir(), *scratch.iterdir())]
+        return Outcome("failed", f"exit code {code}, but these files are there: {left}")
+    if Path(trial.name).read_bytes() != trial.data:
+        return Outcome("failed", "the input has changed")
+    if code == 0:
+        if out and not Usd.Stage.Open(str(out)):
+            return Outcome("failed", "the output cannot be opened")
+        if out and out.suffix != ".usdz" and (word := re.search(rb"geomstats_anim-\w+", out.read_bytes())):
+            return Outcome("failed", f"the output names a temporary folder: {word.group()!r}")
+        return Outcome("accepted")
+    errors = [line for line in lines if line.startswith("error: ")]
+    if code != 1 or len(errors) != 1 or lines[-1] != errors[0] or len(errors[0]) > 1000:
+        return Outcome("failed", f"exit code {code} and not one sentence: {err[-1500:]}")
+    return Outcome("refused", errors[0].removeprefix("error: "))
