@@ -64,9 +64,12 @@ class Corpus:
         errors, gradients = zip(*self._clips.each(run, curve), strict=True)
         return np.asarray(self._weigh(errors)), np.asarray(self._weigh(gradients))
 
-    def rotation_errors_by_joint(self, curve: CurveParameters, effort: Effort = "thorough") -> Array:
-        """Mean rotation error of each joint, radians, shape=[B]; its minima are independent."""
-        return np.asarray(self._mean(partial(Objective.rotation_errors_by_joint, effort=effort), curve))
+    def rotation_errors_by_joint(
+        self, curve: CurveParameters, effort: Effort = "thorough", joints: np.ndarray | None = None
+    ) -> Array:
+        """Mean rotation error of each joint, radians, as `Objective.rotation_errors_by_joint`."""
+        run = partial(Objective.rotation_errors_by_joint, effort=effort, joints=joints)
+        return np.asarray(self._mean(run, curve))
 
     def errors_by_joint(self, curve: CurveParameters) -> Array:
         """Rotation error of each joint, and its part of the quality, shape=[2, B], as `Objective.errors_by_joint`."""

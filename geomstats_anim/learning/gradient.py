@@ -26,11 +26,14 @@ BOUND = np.log(10.0)
 
 _GRID, _ROUGH_GRID = np.linspace(-2.0, 2.0, 5), np.linspace(-1.5, 1.5, 3)
 _ROUGHLY = {"maxiter": 60, "ftol": 1e-5}
-_EXACTLY = {"maxiter": 100, "ftol": 1e-6}
+_EXACTLY = {"maxiter": 100, "ftol": 2e-6}
 """When L-BFGS-B stops: starts are followed roughly, the best exactly; ftol is in shares of the start's value."""
 
 _REFINED, _MAX_ROUNDS = 1e-6, 30
 """When a single joint's descent stops, in shares of its error at the start, or in rounds."""
+
+_NEGLIGIBLE = 1e-3
+"""Share of the largest rotation error that a joint's is not followed below; with the square of it, it does not turn."""
 
 _FLAT = 1e-2
 """Curvature of a joint, as a share of the largest, below which its variables are not stretched any more."""
@@ -64,8 +67,13 @@ class Learnable(Protocol):
         """Return the quality, and its derivative, shape=[B, 7]; see `Objective.value_and_gradient`."""
         ...
 
-    def rotation_errors_by_joint(self, curve: CurveParameters, effort: Effort = "thorough") -> Array:
-        """Return the weighted rotation error of each joint, shape=[B], which depends on its own parameters only."""
+    def rotation_errors_by_joint(
+        self, curve: CurveParameters, effort: Effort = "thorough", joints: np.ndarray | None = None
+    ) -> Array:
+        """Return the weighted rotation error of each joint, shape=[B], which depends on its own parameters only.
+
+        With the indices of some joints, shape=[J], the curve and the errors are theirs alone.
+        """
         ...
 
     def rotation_errors_and_gradient(self, curve: CurveParameters, joints: np.ndarray) -> tuple[Array, Array]:
@@ -176,6 +184,7 @@ class _Search:
         self._scale = np.ones((n_joints, 7))
         self._base = self.best_point
         self._base_value, self._base_errors = self.best_value, self.best_errors
+        self._turning = np.flatnonzero(self._base_errors > _NEGLIGIBLE**2 * self._base_errors.max(initial=0.0))
 
     @property
     def found(self) -> Found:
@@ -230,15 +239,14 @@ class _Search:
 
         A joint that no point helps, because it does not turn, or about one axis only, stays at the identity.
         """
-        moments = np.stack(np.meshgrid(values, values, indexing="ij"), axis=-1).reshape(-1, 2)
-        points = np.tile(self._base, (len(moments), 1, 1))
-        points[..., _MOMENTS] = moments[:, None]
-        sides = (side,) * self.n_joints
-        errors = [self._rotation_errors(point, sides) for point in points]
-        best, least = np.argmin(errors, axis=0), np.min(errors, axis=0)
-        helps = least < _HELPS * self._base_errors
-        point = np.where(helps[:, None], points[best, np.arange(self.n_joints)], self._base)
-        return point, np.where(helps, least, self._base_errors)
+        point, least = self._base.copy(), _HELPS * self._base_errors
+        for moments in np.stack(np.meshgrid(values, values, indexing="ij"), axis=-1).reshape(-1, 2):
+            trial = self._base.copy()
+            trial[:, _MOMENTS] = moments
+            errors = self._rotation_errors(trial, (side,) * self.n_joints)
+            better = errors < least
+            point[better], least[better] = trial[better], errors[better]
+        return point, least
 
     def refine(self, point: Array, errors: Array, sides: tuple[str, ...]) -> tuple[Array, Array]:
         """Follow the gradient of each joint's own rotation error, and tell where and what it comes to."""
@@ -258,7 +266,7 @@ class _Search:
             return errors, _by_coordinates(gradient, current)[:, free]
 
         lower, upper = np.transpose([_BOUNDS[column] for column in free])
-        tolerance = _REFINED * np.maximum(self._base_errors, 1e-12)
+        tolerance = _REFINED * np.maximum(self._base_errors, _NEGLIGIBLE * self._base_errors.max(initial=1e-12))
         values, errors, curvature = minimize_each(evaluate, point[:, free], lower, upper, tolerance, _MAX_ROUNDS)
         self._scale[:, free] = np.sqrt(curvature + _FLAT * curvature.max(initial=1e-12))
         self._scale[:, _TRANSLATION_TENSION] = self._scale[:, free].min()
@@ -283,7 +291,7 @@ class _Search:
             return value / unit, (_by_coordinates(gradient, current)[:, self._free] / scale).ravel() / unit
 
         bounds = np.transpose([_BOUNDS[column] for column in self._free])
-        options: Any = {"maxcor": 20, "gtol": 1e-7, **stop}
+        options: Any = {"maxcor": 20, "gtol": 1e-7, "maxls": 4, **stop}
         result = minimize(
             evaluate,
             (point[:, self._free] * scale).ravel(),
@@ -326,8 +334,11 @@ class _Search:
             self.offer_by_joint(self.refine(start, least, sides)[0], sides)
 
     def _rotation_errors(self, point: Array, sides: tuple[str, ...]) -> Array:
+        """Rotation errors of the joints that turn, shape=[B], and those at the start of the others."""
         self.evaluations += 1
-        errors = self.objective.rotation_errors_by_joint(self.curve(point, sides), "quick")
+        curve = self.curve(point[self._turning], [sides[joint] for joint in self._turning])
+        errors = self._base_errors.copy()
+        errors[self._turning] = self.objective.rotation_errors_by_joint(curve, "quick", self._turning)
         self._progress(self.evaluations, self.best_value)
         return errors
 

@@ -78,10 +78,19 @@ class Objective:
         """Score only the frames of the other segments."""
         return replace(self, scored=self._counts & ~np.isin(self._segment, segments))
 
-    def rotation_errors_by_joint(self, curve: CurveParameters, effort: Effort = "thorough") -> Array:
-        """Weighted mean rotation error of each joint, radians, shape=[B]; its minima are independent."""
-        rotations = self._rotations(curve) if effort == "thorough" else self._rebuilt(curve, "quick")
-        return (self._weights * _smooth(quat.distance(self.animation.rotations, rotations))).sum(axis=0)
+    def rotation_errors_by_joint(
+        self, curve: CurveParameters, effort: Effort = "thorough", joints: np.ndarray | None = None
+    ) -> Array:
+        """Weighted mean rotation error of each joint, radians, shape=[B]; its minima are independent.
+
+        With the indices of some joints, shape=[J], the curve and the errors are theirs alone.
+        """
+        truth, weights = self.animation.rotations, self._weights
+        if joints is not None:
+            truth, weights = truth[:, joints], weights[:, joints]
+        is_remembered = effort == "thorough" and joints is None
+        rotations = self._rotations(curve) if is_remembered else self._rebuilt(curve, effort, joints)
+        return (weights * _smooth(quat.distance(truth, rotations))).sum(axis=0)
 
     def rotation_errors_and_gradient(self, curve: CurveParameters, joints: np.ndarray) -> tuple[Array, Array]:
         """Rotation errors as in `rotation_errors_by_joint`, each with its derivative by its own joint's parameters.
