@@ -12,6 +12,7 @@ from geomstats_anim.animation import Animation
 from geomstats_anim.curves import Metric
 from geomstats_anim.interpolation import SCHEMES
 from geomstats_anim.key_search import Judge, judge_of, moved, thinned
+from geomstats_anim.parameters import LearnedMetric
 from geomstats_anim.quality import KINDS, joint_weights, kind_shares
 from geomstats_anim.segment_errors import Measure, cheapest, fewest, segment_errors
 from geomstats_anim.tangents import STILL
@@ -149,8 +150,8 @@ class KeyProblem:
     tolerance : float or None
     fixed : array-like of int
         Frames that must be keys.
-    free : array-like of int
-        Frames that may be: all that are not within a hold.
+    held : array-like of int
+        Frames within a hold, which are no use as keys.
     """
 
     animation: Animation
@@ -158,7 +159,7 @@ class KeyProblem:
     count: int | None
     tolerance: float | None
     fixed: np.ndarray
-    free: np.ndarray
+    held: np.ndarray
 
     @classmethod
     def of(
@@ -189,34 +190,39 @@ class KeyProblem:
             raise ValueError(f"keep must hold frames from 0 to {n_frames - 1}, but it is {kept.tolist()}.")
         ends, inner = _holds(animation)
         fixed = np.unique(np.concatenate([[0, n_frames - 1], ends, kept.astype(np.intp)])).astype(np.intp)
-        free = np.union1d(fixed, np.setdiff1d(np.arange(n_frames), inner))
-        if count is not None:
-            if not len(fixed) <= count <= n_frames:
-                raise ValueError(
-                    f"count is {count}, but {len(fixed)} of {n_frames} frames must stay: the ends, those of holds and "
-                    f"those of keep; say {len(fixed)} to {n_frames}."
-                )
-            if count > len(free):  # then what is left over goes into the holds
-                free = np.union1d(free, inner[: count - len(free)])
-        return cls(animation, measure, count, tolerance, fixed, free)
+        inner = inner[~np.isin(inner, fixed)]
+        return cls(animation, measure, count, tolerance, fixed, inner)
 
     def under_slerp(self) -> np.ndarray:
         """Choose the best keys for slerp."""
-        forced = np.isin(self.free, self.fixed)
-        if self.tolerance is not None:
-            return self.free[fewest(self.animation, self.free, forced, self.tolerance)]
-        assert self.count is not None
-        window = max(_LEAST_WINDOW, -(-_WINDOW * len(self.free) // self.count))
+        n_frames, count = self.animation.n_frames, self.count
+        free = np.setdiff1d(np.arange(n_frames), self.held)
+        if count is None:
+            assert self.tolerance is not None
+            return free[fewest(self.animation, free, np.isin(free, self.fixed), self.tolerance)]
+        if not len(self.fixed) <= count <= n_frames:
+            raise ValueError(
+                f"count is {count}, but {len(self.fixed)} of {n_frames} frames must stay: the ends, those of holds and "
+                f"those of keep; say {len(self.fixed)} to {n_frames}."
+            )
+        # what is left over goes into the holds
+        free = np.union1d(free, self.held[: max(0, count - len(free))])
+        forced = np.isin(free, self.fixed)
+        window = max(_LEAST_WINDOW, -(-_WINDOW * len(free) // count))
         while True:
-            errors = segment_errors(self.animation, self.free, min(window, len(self.free) - 1), self.measure)
-            chosen = cheapest(errors, forced, self.count, self.measure.largest)
+            errors = segment_errors(self.animation, free, min(window, len(free) - 1), self.measure)
+            chosen = cheapest(errors, forced, count, self.measure.largest)
             if len(chosen):
-                return self.free[chosen]
+                return free[chosen]
             window *= 2  # so many frames must stay in one place that few keys are left for the rest
 
     def judge(self, scheme: str, metric: Metric | None) -> Judge:
         """Make what tells the cost of every frame under a scheme."""
         return judge_of(self.animation, self.measure, scheme, metric, self.tolerance)
+
+    def is_within(self, keys: np.ndarray, metric: LearnedMetric) -> bool:
+        """Whether every frame is within the tolerance."""
+        return bool(self.judge(metric.scheme, metric)(keys).max() <= 1.0)
 
     def refined(self, keys: np.ndarray, scheme: str, metric: Metric | None) -> np.ndarray:
         """Improve the best keys for slerp under a scheme; for a tolerance, their number changes."""

@@ -13,7 +13,8 @@ from pxr import Sdf, Vt
 from geomstats_anim import Animation, LearnedMetric
 from usd_tools.channels import CHANNELS
 from usd_tools.errors import TEMPORARY
-from usd_tools.metric_attributes import write_metric
+from usd_tools.metric_attributes import write_metric, write_source_codes
+from usd_tools.skel_reader import SkelClip
 
 
 def bytes_numpy(keys: Sequence[Animation], metric: LearnedMetric | None) -> int:
@@ -33,14 +34,23 @@ def bytes_numpy(keys: Sequence[Animation], metric: LearnedMetric | None) -> int:
     size : int
     """
     arrays = [np.concatenate([getattr(part, name) for part in keys]) for name in ("rotations", "translations")]
-    if metric is not None:
-        values = (*vars(metric).values(), *vars(metric.parameters).values())
-        # no tension at all is said by the scheme
-        arrays += [value for value in values if isinstance(value, np.ndarray) and value.any()]
     files = [array.astype(np.float32) for array in arrays]
-    if metric is not None:
-        files.append(metric.parameters.is_right)
-    return sum(_npy_size(array) for array in files)
+    return sum(_npy_size(array) for array in files + _metric_arrays(metric))
+
+
+def clip_bytes_numpy(clip: SkelClip, metric: LearnedMetric | None) -> int:
+    """Count bytes as `bytes_numpy` does, for a clip as it is: a channel without samples is one value."""
+    arrays = [channel.values if len(channel.codes) else channel.default for channel in clip.channels.values()]
+    return sum(_npy_size(array) for array in arrays + _metric_arrays(metric))
+
+
+def _metric_arrays(metric: LearnedMetric | None) -> list[np.ndarray]:
+    if metric is None:
+        return []
+    values = (*vars(metric).values(), *vars(metric.parameters).values())
+    # no tension at all is said by the scheme
+    arrays = [value for value in values if isinstance(value, np.ndarray) and value.any()]
+    return [array.astype(np.float32) for array in arrays] + [metric.parameters.is_right]
 
 
 def _npy_size(array: np.ndarray) -> int:
@@ -62,9 +72,7 @@ def bytes_usdc(keys: Sequence[Animation], metric: LearnedMetric | None) -> int:
     -------
     size : int
     """
-    layer = Sdf.Layer.CreateAnonymous(".usdc")
-    prim = Sdf.PrimSpec(layer, "Animation", Sdf.SpecifierDef, "SkelAnimation")
-    Sdf.AttributeSpec(prim, "joints", Sdf.ValueTypeNames.TokenArray).default = Vt.TokenArray(keys[0].skeleton.joints)
+    layer, prim = _animation(keys[0].skeleton.joints)
     for name in ("rotations", "translations", "scales"):
         kind = CHANNELS[name]
         attribute = Sdf.AttributeSpec(prim, name, kind.value_type)
@@ -75,6 +83,48 @@ def bytes_usdc(keys: Sequence[Animation], metric: LearnedMetric | None) -> int:
             for part in keys:
                 for time, values in zip(part.times.tolist(), getattr(part, name), strict=True):
                     layer.SetTimeSample(attribute.path, time, kind.to_usd(values.astype(kind.dtype)))
+    return _usdc_size(layer, prim, metric)
+
+
+def clip_bytes_usdc(clip: SkelClip, metric: LearnedMetric | None, source_codes: np.ndarray | None) -> int:
+    """Size of a usdc file that holds a clip's SkelAnimation alone, as it is.
+
+    Parameters
+    ----------
+    clip : SkelClip
+    metric : LearnedMetric or None
+    source_codes : array-like, shape=[F], or None
+        Of a sparse clip: where its source had samples.
+
+    Returns
+    -------
+    size : int
+    """
+    layer, prim = _animation(clip.joints)
+    for name, channel in clip.channels.items():
+        kind = CHANNELS[name]
+        attribute = Sdf.AttributeSpec(prim, name, kind.value_type)
+        if not len(channel.codes):
+            attribute.default = kind.to_usd(channel.default)
+            continue
+        with Sdf.ChangeBlock():
+            for code, values, is_blocked in zip(channel.codes.tolist(), channel.values, channel.blocked, strict=True):
+                value = Sdf.ValueBlock() if is_blocked else kind.to_usd(values)
+                layer.SetTimeSample(attribute.path, code, value)
+    if source_codes is not None:
+        write_source_codes(prim, source_codes)
+    return _usdc_size(layer, prim, metric)
+
+
+def _animation(joints: Sequence[str]) -> tuple[Sdf.Layer, Sdf.PrimSpec]:
+    """Make a layer, to be kept as long as its prim is used, and a SkelAnimation on it."""
+    layer = Sdf.Layer.CreateAnonymous(".usdc")
+    prim = Sdf.PrimSpec(layer, "Animation", Sdf.SpecifierDef, "SkelAnimation")
+    Sdf.AttributeSpec(prim, "joints", Sdf.ValueTypeNames.TokenArray).default = Vt.TokenArray(list(joints))
+    return layer, prim
+
+
+def _usdc_size(layer: Sdf.Layer, prim: Sdf.PrimSpec, metric: LearnedMetric | None) -> int:
     if metric is not None:
         write_metric(prim, metric)
     with tempfile.TemporaryDirectory(prefix=TEMPORARY) as folder:

@@ -27,6 +27,9 @@ _TYPES = {
     "scheme": Sdf.ValueTypeNames.Token,
     "version": Sdf.ValueTypeNames.Int,
 }
+SOURCE_CODES = f"{NAMESPACE}:sourceTimeCodes"
+"""Of a sparse animation: where its source had samples."""
+
 _OPTIONAL = ("axes", "translationTension")
 _ENTRIES = "entries"
 """Entry that names those that count: USD merges the dictionaries of layers, so an older metric's would show through."""
@@ -155,6 +158,28 @@ def read_metric(prim: Usd.Prim) -> LearnedMetric | None:
         )
     except ValueError as error:
         raise ToolError(f"{prim.GetPath()}: {NAMESPACE} makes no metric: {error}") from error
+
+
+def write_source_codes(spec: Sdf.PrimSpec, codes: np.ndarray) -> None:
+    """Write on a SkelAnimation the time codes, shape=[F], at which its source had samples."""
+    _attribute(spec, SOURCE_CODES, Sdf.ValueTypeNames.DoubleArray).default = Vt.DoubleArray.FromNumpy(codes)
+
+
+def read_source_codes(prim: Usd.Prim) -> np.ndarray | None:
+    """Read the time codes at which the source of a sparse SkelAnimation had samples; None if it is not sparse.
+
+    Raises
+    ------
+    ToolError
+        If they are not increasing numbers.
+    """
+    value = prim.GetAttribute(SOURCE_CODES).Get()
+    if value is None:
+        return None
+    codes = np.array(value, dtype=np.float64) if isinstance(value, Vt.DoubleArray) else np.zeros(0)
+    if not (len(codes) and np.isfinite(codes).all() and (np.diff(codes) > 0.0).all()):
+        raise ToolError(f"{prim.GetPath()}: {SOURCE_CODES} must hold increasing numbers (double[]); repair the file.")
+    return codes
 
 
 def _attribute(spec: Sdf.PrimSpec, name: str, type_name: Sdf.ValueTypeName) -> Sdf.AttributeSpec:

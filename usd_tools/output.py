@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,8 @@ from pxr import Usd
 
 from usd_tools.errors import ToolError
 from usd_tools.files import check_output, check_usd_output, same_file
-from usd_tools.skel_writer import OverrideLayer, save, save_in_place
+from usd_tools.skel_reader import AnimationSource
+from usd_tools.skel_writer import OverrideLayer, save, save_copy, save_in_place
 
 
 def add_options(parse: argparse.ArgumentParser) -> None:
@@ -51,6 +52,9 @@ class Output:
     usd_format : str or None
     report : Path or None
         File for what was done.
+    copy : bool
+        Whether to write the source's own layer, changed, instead of a layer over it.
+        Optional, default: False.
     """
 
     source: Path
@@ -59,6 +63,7 @@ class Output:
     flatten: bool
     usd_format: str | None
     report: Path | None
+    copy: bool = False
 
     @classmethod
     def of(cls, args: argparse.Namespace, source: Path) -> Output:
@@ -99,19 +104,47 @@ class Output:
             if path is not None and same_file(path, needed):
                 raise ToolError(f"{argument} {path} is a file that {self.source} needs; choose another name.")
 
+    def without_source(self, sources: Sequence[AnimationSource]) -> Output:
+        """Have the result hold what it needs of some animations, so that the source's samples can go.
+
+        If they are in the source's own layer, a copy of it is changed, which keeps all composition. Otherwise the
+        result is flattened.
+
+        Raises
+        ------
+        ToolError
+            If the source is to be changed in place, but they are in other files.
+        """
+        if all(_is_in_root_layer(source) for source in sources) and self.path.suffix != ".usdz":
+            return replace(self, copy=True)
+        if self.in_place and not self.flatten:
+            raise ToolError(
+                f"--in-place: the samples are in files that {self.source} needs; name another file with --out."
+            )
+        return replace(self, flatten=True)
+
     def layer(
         self, stage: Usd.Stage, tool: str, settings: Mapping[str, Any], codes_per_second: float | None = None
     ) -> OverrideLayer:
         """Begin the layer that is to be written; see `OverrideLayer`."""
-        base = stage.GetRootLayer() if self.in_place and not self.flatten else None
+        base = stage.GetRootLayer() if (self.in_place or self.copy) and not self.flatten else None
         return OverrideLayer(stage, tool, settings, codes_per_second, base)
 
     def save(self, layer: OverrideLayer) -> None:
         """Write the layer."""
         if self.in_place and not self.flatten:
             save_in_place(layer, self.source.resolve())
+        elif self.copy and not self.flatten:
+            save_copy(layer, self.source, self.path, self.usd_format)
         else:
             save(layer, self.source, self.path, self.usd_format, self.flatten)
+
+
+def _is_in_root_layer(source: AnimationSource) -> bool:
+    """Whether all that is said of an animation is said in the layer that was opened."""
+    layers = {spec.layer for spec in source.prim.GetPrimStack()}
+    root = source.stage.GetRootLayer()
+    return layers == {root} and not source.prim.IsInstanceProxy() and not root.GetFileFormat().IsPackage()
 
 
 def check_report(report: Path | None, *others: Path) -> None:

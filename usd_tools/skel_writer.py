@@ -17,7 +17,7 @@ from usd_tools.channels import CHANNELS, Channel
 from usd_tools.errors import TEMPORARY, Messages, ToolError
 from usd_tools.files import relative_asset_path, written_beside
 from usd_tools.instancing import editable_paths
-from usd_tools.metric_attributes import NAMESPACE, write_metric, write_summary
+from usd_tools.metric_attributes import NAMESPACE, write_metric, write_source_codes, write_summary
 from usd_tools.skel_reader import AnimationSource
 
 TOOL = "geomstats_anim"
@@ -93,6 +93,7 @@ class OverrideLayer:
         defaults: Mapping[str, np.ndarray],
         metric: LearnedMetric | None,
         messages: Messages,
+        source_codes: np.ndarray | None = None,
     ) -> None:
         """Write the samples of an animation, all of them: one sample here hides every sample below.
 
@@ -106,17 +107,23 @@ class OverrideLayer:
         metric : LearnedMetric
         messages : Messages
             Told of instances that have to be given up.
+        source_codes : array-like, shape=[F]
+            Of a sparse animation: where its source had samples.
+            Optional, default: it is not sparse.
         """
         for path in editable_paths(self.layer, source, messages):
             spec = Sdf.CreatePrimInLayer(self.layer, path)
             for name, values in defaults.items():
-                kind = CHANNELS[name]
-                _attribute(spec, name).default = kind.to_usd(values.astype(kind.dtype))
+                kind, attribute = CHANNELS[name], _attribute(spec, name)
+                attribute.ClearInfo("timeSamples")
+                attribute.default = kind.to_usd(values.astype(kind.dtype))
             for name, channel in channels.items():
                 self._write_samples(_attribute(spec, name), channel)
             if metric is not None:
                 axes = source.prim.GetAttribute(f"{NAMESPACE}:axes")
                 write_metric(spec, metric, hide_axes=bool(axes) and axes.HasAuthoredValue())
+            if source_codes is not None:
+                write_source_codes(spec, source_codes)
         if metric is not None:
             for skeleton in source.skeletons:
                 if not skeleton.IsInstanceProxy():
@@ -181,6 +188,29 @@ def save_in_place(override: OverrideLayer, source: Path) -> None:
         is_binary = file.read(8) == b"PXR-USDC"
     with written_beside(source) as beside:
         _export(override.layer, beside, ("usdc" if is_binary else "usda") if source.suffix == ".usd" else None)
+
+
+def save_copy(override: OverrideLayer, source: Path, out: Path, usd_format: str | None = None) -> None:
+    """Write an override layer that was made from its source to another file; see `save`.
+
+    Raises
+    ------
+    ToolError
+        If it cannot be written.
+    """
+    here, there = os.path.abspath(source.parent), os.path.abspath(out.parent)
+    if here != there:
+
+        def moved(path: str) -> str:
+            """Name a file as seen from the other folder; what is found by a search path stays."""
+            package, bracket, inner = path.partition("[")
+            if os.path.isabs(package) or not (package.startswith(".") or os.path.exists(os.path.join(here, package))):
+                return path
+            return relative_asset_path(Path(here) / package, out.parent) + bracket + inner
+
+        UsdUtils.ModifyAssetPaths(override.layer, moved)
+    with written_beside(out) as beside:
+        _export(override.layer, beside, usd_format)
 
 
 def save_layer(layer: Sdf.Layer, out: Path, usd_format: str | None = None) -> None:

@@ -6,7 +6,6 @@ python -m usd_tools.upsample walk.usda -o walk_x4.usda --factor 4
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -27,6 +26,7 @@ from usd_tools.progress import Progress
 from usd_tools.resampling import Resampled, at_rate, resample, subdivided, with_codes
 from usd_tools.skel_reader import AnimationSource, SkelClip, find_animations, read_clip
 from usd_tools.style_controls import Style, parse_style
+from usd_tools.time_codes import TimeCodes
 from usd_tools.upsample_report import Job, described, tell, usual_rate
 
 MAX_ROTATIONS = 1 << 27
@@ -49,7 +49,8 @@ def parser() -> argparse.ArgumentParser:
         "--times",
         metavar="T",
         type=TimeCodes,
-        help="add samples at these time codes: numbers with commas between them, or a text file of numbers",
+        help="add samples at these time codes: numbers with commas between them, a text file of numbers, or the word "
+        "source: where usd_tools.downsample removed them",
     )
     parse.add_argument("--retime", action="store_true", help="with --fps: F time codes a second, so that samples are "
                        "whole frames; the motion keeps its speed")  # fmt: skip
@@ -121,28 +122,6 @@ def upsample(args: argparse.Namespace) -> int:
     return 0
 
 
-class TimeCodes:
-    """Time codes from the command line, and how they were written there."""
-
-    def __init__(self, text: str) -> None:
-        try:
-            self.codes, self.text = _numbers(text), text
-        except ValueError:
-            try:
-                self.codes, self.text = _numbers(Path(text).read_text(encoding="utf-8")), Path(text).name
-            except (OSError, ValueError):
-                raise argparse.ArgumentTypeError(
-                    f"must be finite numbers with commas between them, or a file of such, not {text!r}"
-                ) from None
-
-
-def _numbers(text: str) -> np.ndarray:
-    numbers = [float(word) for word in text.replace(",", " ").split()]
-    if not numbers or not all(math.isfinite(number) for number in numbers):
-        raise ValueError(text)
-    return np.array(numbers)
-
-
 def _animated(path: Path, sources: list[AnimationSource], messages: Messages) -> list[SkelClip]:
     """Read the animations, and keep those that move."""
     clips = [read_clip(source) for source in sources]
@@ -163,10 +142,11 @@ def _animated(path: Path, sources: list[AnimationSource], messages: Messages) ->
 
 def _target_codes(args: argparse.Namespace, clip: SkelClip, messages: Messages) -> np.ndarray:
     """Time codes of the output's samples."""
+    times = np.zeros(0) if args.times is None else args.times.of(clip)
     n_added = {
         "factor": lambda: len(clip.codes) * (args.factor - 1),
         "fps": lambda: (clip.codes[-1] - clip.codes[0]) / clip.codes_per_second * args.fps,
-        "times": lambda: len(args.times.codes),
+        "times": lambda: len(times),
     }
     option = next(name for name in n_added if getattr(args, name) is not None)
     size = (len(clip.codes) + n_added[option]()) * max(1, clip.skeleton.n_joints)
@@ -182,10 +162,10 @@ def _target_codes(args: argparse.Namespace, clip: SkelClip, messages: Messages) 
             )
         return at_rate(clip, args.fps)
     first, last = clip.codes[0], clip.codes[-1]
-    outside = args.times.codes[(args.times.codes < first) | (args.times.codes > last)]
+    outside = times[(times < first) | (times > last)]
     if len(outside):
         raise ToolError(f"--times {outside[0]:g} is outside {clip.path}, which goes from {first:g} to {last:g}.")
-    return with_codes(clip, args.times.codes)
+    return with_codes(clip, times)
 
 
 def _resample_all(

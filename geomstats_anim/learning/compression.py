@@ -11,10 +11,12 @@ from numpy.typing import ArrayLike
 
 from geomstats_anim.animation import Animation
 from geomstats_anim.interpolation import SCHEMES
-from geomstats_anim.keyframes import KeyProblem
+from geomstats_anim.keyframes import KeyProblem, uniform_keyframes
 from geomstats_anim.learning.learn import SCHEMES as LEARNED_SCHEMES
 from geomstats_anim.learning.learn import learn_metric
 from geomstats_anim.parameters import CurveParameters, LearnedMetric
+
+SELECTIONS = ("optimal", "uniform")
 
 _ROUNDS = 3
 """Most times that a metric is learned for new keys, and keys are moved under it."""
@@ -45,6 +47,7 @@ def compress(
     tolerance: float | None = None,
     *,
     kind: str | None = None,
+    select: str = "optimal",
     scheme: str = "geodesic-spline",
     family: str = "diagonal",
     keep: Sequence[ArrayLike] | None = None,
@@ -63,6 +66,9 @@ def compress(
     kind : str
         As in `optimal_keyframes`.
         Optional, default: "hyb" for counts, "max" for a tolerance.
+    select : str
+        "optimal", or "uniform": equally spaced, as in the papers.
+        Optional, default: "optimal".
     scheme : str
         A name in `SCHEMES`; "geodesic" and "geodesic-spline" are learned.
         Optional, default: "geodesic-spline".
@@ -82,7 +88,7 @@ def compress(
     Raises
     ------
     ValueError
-        As `optimal_keyframes`.
+        As `optimal_keyframes`; and if there is no such selection, or it is uniform and frames must be kept.
 
     Examples
     --------
@@ -97,6 +103,10 @@ def compress(
     """
     if scheme not in SCHEMES:
         raise ValueError(f"There is no scheme {scheme!r}; the schemes are {', '.join(SCHEMES)}.")
+    if select not in SELECTIONS:
+        raise ValueError(f"There is no selection {select!r}; the choices are {', '.join(SELECTIONS)}.")
+    if select == "uniform" and keep is not None and any(np.size(frames) for frames in keep):
+        raise ValueError("Frames of keep need select to be optimal; uniform keys are where they are.")
     problems = [
         KeyProblem.of(
             animation,
@@ -124,10 +134,12 @@ def compress(
         except ValueError:
             return None
 
-    start = [problem.under_slerp() for problem in problems]
     plain = plain_metric(animations[0].skeleton.joints, scheme)
-    choose = _fewest if tolerance is not None else _best
-    return choose(problems, start, plain, fit if scheme in LEARNED_SCHEMES else lambda keyframes: None)
+    learn: Fit = fit if scheme in LEARNED_SCHEMES else lambda keyframes: None
+    if select == "uniform":
+        return _uniform(problems, plain, learn)
+    start = [problem.under_slerp() for problem in problems]
+    return (_best if tolerance is None else _fewest)(problems, start, plain, learn)
 
 
 def plain_metric(joints: Sequence[str], scheme: str, tension: float | None = None) -> LearnedMetric:
@@ -142,18 +154,43 @@ def plain_metric(joints: Sequence[str], scheme: str, tension: float | None = Non
 Fit = Callable[[Sequence[np.ndarray]], LearnedMetric | None]
 
 
+def _cost(problems: Sequence[KeyProblem], kept: Sequence[np.ndarray], metric: LearnedMetric) -> float:
+    pairs = zip(problems, kept, strict=True)
+    return sum(float(problem.judge(metric.scheme, metric)(keys).sum()) for problem, keys in pairs)
+
+
+def _uniform(problems: Sequence[KeyProblem], plain: LearnedMetric, fit: Fit) -> Compressed:
+    """Keep equally spaced keys, for a tolerance at the smallest rate that halving finds."""
+
+    def at(rate: float) -> list[np.ndarray]:
+        return [uniform_keyframes(problem.animation.n_frames, rate) for problem in problems]
+
+    def fits(kept: Sequence[np.ndarray], metric: LearnedMetric) -> bool:
+        return all(problem.is_within(keys, metric) for problem, keys in zip(problems, kept, strict=True))
+
+    if problems[0].tolerance is None:
+        kept = [
+            uniform_keyframes(each.animation.n_frames, (each.count or 2) / each.animation.n_frames) for each in problems
+        ]
+        metric = fit(kept) or plain
+        return Compressed(tuple(kept), min(plain, metric, key=lambda each: _cost(problems, kept, each)))
+    too_few, enough = 1, max(problem.animation.n_frames for problem in problems)
+    most = enough
+    while enough - too_few > 1:
+        middle = (too_few + enough) // 2
+        too_few, enough = (too_few, middle) if fits(at(middle / most), plain) else (middle, enough)
+    kept = at(enough / most)
+    metric = fit(kept) or plain
+    return Compressed(tuple(kept), metric if fits(kept, metric) else plain)
+
+
 def _best(problems: Sequence[KeyProblem], start: list[np.ndarray], plain: LearnedMetric, fit: Fit) -> Compressed:
     """Keep the number of keys, and make the error least."""
-
-    def cost(kept: Sequence[np.ndarray], metric: LearnedMetric) -> float:
-        pairs = zip(problems, kept, strict=True)
-        return sum(float(problem.judge(metric.scheme, metric)(keys).sum()) for problem, keys in pairs)
-
     kept, metric, before = start, plain, np.inf
     for _ in range(_ROUNDS):
-        metric = min((metric, fit(kept) or metric), key=lambda each: cost(kept, each))
+        metric = min((metric, fit(kept) or metric), key=lambda each: _cost(problems, kept, each))
         kept = _refined(problems, kept, metric)
-        now = cost(kept, metric)
+        now = _cost(problems, kept, metric)
         if now >= (1.0 - _LEAST_GAIN) * before:
             break
         before = now

@@ -1,0 +1,132 @@
+"""What `downsample` says of its work: lines and tables on stdout, plain values for the report, and a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geomstats_anim.rotations import Array
+from usd_tools.errors import Messages
+from usd_tools.files import written_beside
+from usd_tools.kept_bytes import clip_bytes_numpy, clip_bytes_usdc
+from usd_tools.metric_attributes import summary
+from usd_tools.reduction import Reduced
+from usd_tools.sparse import Errors, Thinning
+from usd_tools.tables import show
+
+PICTURES = (".png", ".svg", ".pdf")
+
+_WORST = 5
+"""Joints that are shown unless all are."""
+
+
+def tell(reduced: Reduced, verbose: bool, messages: Messages) -> None:
+    """Say what is left of an animation, how well the rest is rebuilt, and what a viewer shows."""
+    clip, values = reduced.clip, described(reduced)
+    print(
+        f"{clip.path}: {values['kept_samples']} of {values['samples']} samples kept, {len(clip.joints)} joints; "
+        f"{values['bytes_usdc_before']} -> {values['bytes_usdc_after']} bytes as usdc, "
+        f"{values['bytes_numpy_before']} -> {values['bytes_numpy_after']} as NumPy, metric included"
+    )
+    print(f"  {values['metric_summary']}")
+    show(
+        "Errors of all frames",
+        [
+            ("rebuilt by upsample --times source", *_cells(values["rebuilt"])),
+            ("played by a viewer, as slerp", *_cells(values["played"])),
+        ],
+        ("", "mean deg", "99 % deg", "max deg", "mean cm", "99 % cm", "max cm"),
+    )
+    joints = sorted(values["joints"], key=lambda joint: -joint["centimetres"]["largest"])
+    shown = joints if verbose else [joint for joint in joints[:_WORST] if joint["centimetres"]["largest"] > 0.0]
+    if shown:
+        show(
+            "Errors of the joints, rebuilt" if verbose else f"The {len(shown)} joints that are worst, rebuilt",
+            [(joint["joint"].rsplit("/", 1)[-1], *_cells(joint)) for joint in shown],
+            ("joint", "mean deg", "99 % deg", "max deg", "mean cm", "99 % cm", "max cm"),
+        )
+    uniform = values["uniform_slerp"]
+    if uniform["samples"]:
+        print(
+            f"Slerp between equally spaced samples needs {uniform['samples']} of them to be as good "
+            f"({uniform['criterion']}): {uniform['bytes_usdc']} bytes as usdc, {uniform['bytes_numpy']} as NumPy."
+        )
+
+
+def _cells(errors: dict[str, Any]) -> list[str]:
+    words = ("mean", "percentile_99", "largest")
+    return [f"{errors[unit][word]:.3f}" for unit in ("degrees", "centimetres") for word in words]
+
+
+def tell_file(source: Path, out: Path) -> None:
+    """Say what is written, and how to get the rest back."""
+    print(
+        f"{out} is written: {source.stat().st_size} -> {out.stat().st_size} bytes. It does not need {source.name}; get "
+        f"all samples back with: python -m usd_tools.upsample {out} -o BACK.usda --times source"
+    )
+
+
+def described(reduced: Reduced) -> dict[str, Any]:
+    """Tell what was done to an animation, as plain values."""
+    clip, sparse, metric = reduced.clip, reduced.sparse, reduced.metric
+    thinning = Thinning.of(clip)
+    n_frames = [animation.n_frames for animation in thinning.animations]
+    return {
+        "prim": clip.path,
+        "skeletons": [str(prim.GetPath()) for prim in clip.source.skeletons],
+        "samples": sum(n_frames) if n_frames else len(clip.codes),
+        "kept_samples": len(reduced.kept),
+        "kept_time_codes": reduced.kept.tolist(),
+        "scheme": metric.scheme,
+        "metric_summary": summary(metric),
+        "constant": [name for name, channel in sparse.channels.items() if not len(channel.codes)],
+        "kept_whole": list(thinning.kept_whole),
+        "rebuilt": _statistics(reduced.errors),
+        "played": _statistics(reduced.played),
+        "joints": [
+            {"joint": joint, "degrees": _summary(degrees), "centimetres": _summary(centimetres)}
+            for joint, degrees, centimetres in zip(
+                reduced.errors.joints, reduced.errors.degrees.T, reduced.errors.centimetres.T, strict=True
+            )
+        ],
+        "bytes_usdc_before": clip_bytes_usdc(clip, None, None),
+        "bytes_usdc_after": clip_bytes_usdc(sparse, metric, clip.codes),
+        "bytes_numpy_before": clip_bytes_numpy(clip, None),
+        "bytes_numpy_after": clip_bytes_numpy(sparse, metric),
+        "uniform_slerp": {
+            "criterion": reduced.criterion,
+            "samples": sum(map(len, reduced.uniform)),
+            "bytes_usdc": clip_bytes_usdc(thinning.sparse(reduced.uniform), None, None),
+            "bytes_numpy": clip_bytes_numpy(thinning.sparse(reduced.uniform), None),
+        },
+    }
+
+
+def _statistics(errors: Errors) -> dict[str, Any]:
+    return {
+        "degrees": _summary(errors.degrees),
+        "centimetres": _summary(errors.centimetres),
+        **{f"q_{kind}": errors.quality(kind) for kind in ("loc", "rot", "hyb")},
+    }
+
+
+def _summary(values: Array) -> dict[str, float]:
+    return {
+        "mean": float(values.mean()),
+        "percentile_99": float(np.percentile(values, 99.0)),
+        "largest": float(values.max()),
+    }
+
+
+def draw(reduced: Sequence[Reduced], path: Path) -> None:
+    """Draw the samples kept over the speed of the motion, a panel for each animation; see `report.kept_samples`."""
+    from usd_tools.report.kept_samples import draw_kept
+
+    figure = draw_kept(reduced)
+    with written_beside(path) as beside:
+        # without a date, the same input makes the same bytes
+        dates = {".png": "Creation Time", ".svg": "Date", ".pdf": "CreationDate"}
+        figure.savefig(beside, dpi=160, metadata={dates[path.suffix]: None})
