@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,8 +13,7 @@ from scipy.spatial.transform import Rotation
 from geomstats_anim.animation import default_bone_ends
 from geomstats_anim.rotations import IDENTITY, make_continuous
 from usd_tools.bvh_lines import BvhText, read_text
-from usd_tools.errors import TEMPORARY
-from usd_tools.files import check_input
+from usd_tools.files import check_input, temporary_folder
 from usd_tools.frame_rate import frame_rate
 
 if TYPE_CHECKING:
@@ -88,8 +86,8 @@ def _nodes(text: BvhText) -> list[BvhNode]:
     import pybvh  # imports matplotlib, which --help need not wait for
 
     frame = " ".join(["0"] * (3 + 3 * len(text.names)))
-    with tempfile.TemporaryDirectory(prefix=TEMPORARY) as folder:
-        file = Path(folder) / "plain.bvh"
+    with temporary_folder() as folder:
+        file = folder / "plain.bvh"
         file.write_text("\n".join([*text.plain, "MOTION", "Frames: 1", "Frame Time: 1", frame]), encoding="utf-8")
         return pybvh.read_bvh_file(file, world_up="+y").nodes
 

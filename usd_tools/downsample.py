@@ -21,7 +21,7 @@ from geomstats_anim.learning.gradient import FAMILIES
 from usd_tools import downsample_report, output, selection
 from usd_tools.arguments import positive_number, share, whole_number
 from usd_tools.errors import Messages, ToolError, run, usd_warnings
-from usd_tools.files import check_output, open_stage, same_file, write_json
+from usd_tools.files import check_output, open_stage, reading, same_file, write_json
 from usd_tools.output import Output
 from usd_tools.progress import SearchProgress
 from usd_tools.reduction import Reduced, Wanted, reduce_clip, verified
@@ -106,7 +106,7 @@ def downsample(args: argparse.Namespace) -> int:
     with usd_warnings(messages):
         stage = open_stage(args.input)
     target.check_layers(stage)
-    with usd_warnings(messages):
+    with usd_warnings(messages), reading(args.input):
         sources = selection.selected(args.input, find_animations(stage), args.prim)
         target = target.without_source(sources)
         wanted = Wanted.of(args)

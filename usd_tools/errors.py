@@ -46,7 +46,10 @@ def _one_line(diagnostic: Any) -> str:
     except UnicodeDecodeError as error:  # it quotes a file that is not UTF-8
         text = error.object.decode(errors="replace")
     # Addresses in memory and temporary folders differ from run to run, and say nothing to a user.
-    meaningless = rf"\(instantiating stage on stage .*?>\)|<0x[0-9a-f]+>|pxrInternal_\w+?__(pxrReserved___)?(::)?|/[^@\s]*/{TEMPORARY}\w+/"
+    meaningless = (
+        r"\(instantiating stage on stage .*?>\)|<0x[0-9a-f]+>|pxrInternal_\w+?__(pxrReserved___)?(::)?"
+        rf"|/[^@\s]*/{TEMPORARY}\w+/"
+    )
     line = " ".join(re.sub(meaningless, "", text).split())
     return line if len(line) <= LONGEST else f"{line[:LONGEST]}..."
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from pxr import Tf, Usd
 
-from usd_tools.errors import ToolError, commentary
+from usd_tools.errors import TEMPORARY, ToolError, commentary
 
 EXTENSIONS = (".usd", ".usda", ".usdc", ".usdz")
 
@@ -92,10 +92,12 @@ def check_output(path: Path, argument: str) -> None:
     Raises
     ------
     ToolError
-        If it is a folder or read-only, or its folder is missing or may not be written.
+        If it is a folder, a device or read-only, or its folder is missing or may not be written.
     """
     if path.is_dir():
         raise ToolError(f"{argument} {path} is a folder; name a file in it.")
+    if path.exists() and not path.is_file():
+        raise ToolError(f"{argument} {path} is not a file, but a device or a pipe; name a file.")
     if not path.parent.is_dir():
         raise ToolError(f"{argument} {path}: there is no folder {path.parent}; make it first.")
     if path.exists() and not os.access(path, os.W_OK):
@@ -135,8 +137,29 @@ def relative_asset_path(target: Path, folder: Path) -> str:
 
 
 @contextmanager
+def temporary_folder() -> Iterator[Path]:
+    """Give a folder that is gone afterwards.
+
+    Raises
+    ------
+    ToolError
+        If the system has no room for what is written there.
+    """
+    try:
+        with tempfile.TemporaryDirectory(prefix=TEMPORARY) as folder:
+            yield Path(folder)
+    except OSError as error:
+        raise ToolError(
+            f"{tempfile.gettempdir()} has no room for a temporary file: {error.strerror}; make room there, or name "
+            "another folder in the environment variable TMPDIR."
+        ) from error
+
+
+@contextmanager
 def written_beside(path: Path) -> Iterator[Path]:
     """Give a path to write to, and rename what is there afterwards; on an error nothing is left behind.
+
+    A process that is killed leaves the new folder, which is hidden, named after the file, and may be deleted.
 
     Parameters
     ----------

@@ -275,7 +275,10 @@ def _pack(layer: Sdf.Layer, root: Path, out: Path) -> None:
     _export(layer, root, None)
     if not UsdUtils.CreateNewUsdzPackage(str(root), str(out)):
         raise ToolError(f"{out.name} cannot be packed; does every file that the source needs exist?")
-    _forget_times(out)
+    try:
+        _forget_times(out)
+    except zipfile.BadZipFile as error:  # on a full disk OpenUSD says nothing
+        raise ToolError(f"{out.name} cannot be written; is there room on the disk?") from error
 
 
 def _forget_times(package: Path) -> None:
