@@ -1,7 +1,7 @@
 """Moving, removing and adding keys under the scheme that will rebuild the frames between them.
 
 A spline's segments depend on keys further away, so no table of segments tells what they cost. But a key's influence
-fades within a few segments: keys that are `_STRIDE` apart are tried all at once, each judged by the frames around it,
+fades within a few segments: keys that are far enough apart are tried all at once, each judged by the frames around it,
 and what they gain together is measured before it is taken.
 """
 
@@ -19,7 +19,10 @@ from geomstats_anim.quality import rotation_errors
 from geomstats_anim.rotations import Array
 from geomstats_anim.segment_errors import Measure
 
-_STRIDE = 4
+_MOVE_STRIDE, _MOVE_REACH = 4, 2
+_REMOVE_STRIDE, _REMOVE_REACH = 8, 3
+"""Every so many keys are moved or removed at once; so many segments to both sides are what each is judged by."""
+
 _MOVES = (-1, 1, -2, 2, -4, 4)
 """Frames by which a key is moved."""
 
@@ -91,9 +94,9 @@ def moved(judge: Judge, keys: np.ndarray, fixed: np.ndarray) -> np.ndarray:
     cost = judge(keys)
     for _ in range(_ROUNDS):
         before = cost.sum()
-        for phase in range(_STRIDE):
+        for phase in range(_MOVE_STRIDE):
             for move in _MOVES:
-                tried = _some(keys, fixed, phase)
+                tried = np.flatnonzero(~np.isin(keys, fixed))[phase::_MOVE_STRIDE]
                 to = keys[tried] + move
                 tried = tried[(to > keys[tried - 1]) & (to < keys[tried + 1])]
                 for _ in range(2):  # all that may move, then those that gain by it
@@ -102,7 +105,7 @@ def moved(judge: Judge, keys: np.ndarray, fixed: np.ndarray) -> np.ndarray:
                     new = keys.copy()
                     new[tried] += move
                     new_cost = judge(new)
-                    gains = _around(cost - new_cost, keys, tried, 2, np.add)
+                    gains = _around(cost - new_cost, keys, tried, _MOVE_REACH, np.add)
                     if (gains > 0.0).all():
                         break
                     tried = tried[gains > 0.0]
@@ -117,14 +120,14 @@ def without_needless(judge: Judge, keys: np.ndarray, fixed: np.ndarray) -> np.nd
     """Remove keys as long as every frame costs no more than 1; see `moved`."""
     while True:
         n_before = len(keys)
-        for phase in range(_STRIDE):
-            tried = _some(keys, fixed, phase)
+        for phase in range(_REMOVE_STRIDE):
+            tried = np.flatnonzero(~np.isin(keys, fixed))[phase::_REMOVE_STRIDE]
             while len(tried):
                 cost = judge(np.delete(keys, tried))
                 if cost.max() <= 1.0:
                     keys = np.delete(keys, tried)
                     break
-                worst = _around(cost, keys, tried, 3, np.maximum)
+                worst = _around(cost, keys, tried, _REMOVE_REACH, np.maximum)
                 # where no removal is to blame by itself, the costliest is given up
                 tried = tried[worst <= 1.0] if (worst > 1.0).any() else np.delete(tried, worst.argmax())
         if len(keys) == n_before:
@@ -149,11 +152,6 @@ def thinned(judge: Judge, keys: np.ndarray, fixed: np.ndarray) -> np.ndarray:
         if len(fewer) == len(keys):
             return keys
         keys = fewer
-
-
-def _some(keys: np.ndarray, fixed: np.ndarray, phase: int) -> np.ndarray:
-    """Take every so many of the keys that are free; return their indices."""
-    return np.flatnonzero(~np.isin(keys, fixed))[phase::_STRIDE]
 
 
 def _around(cost: Array, keys: np.ndarray, tried: np.ndarray, reach: int, combine: np.ufunc) -> Array:

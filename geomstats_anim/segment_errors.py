@@ -249,8 +249,12 @@ def _error(i, j, truth, limit, room):
             )
             if not largest and rotation[b] != 0.0:
                 r = rotations[f, b]
-                cosine = abs(q[0] * r[0] + q[1] * r[1] + q[2] * r[2] + q[3] * r[3])
-                total += rotation[b] * 2.0 * np.arccos(min(cosine, 1.0))
+                sign = 1.0 if q[0] * r[0] + q[1] * r[1] + q[2] * r[2] + q[3] * r[3] >= 0.0 else -1.0
+                squared = 0.0
+                for c in range(4):
+                    squared += (q[c] - sign * r[c]) ** 2
+                # by the chord of a quarter of the angle, which is exact where the arc cosine is not
+                total += rotation[b] * 4.0 * np.arcsin(0.5 * np.sqrt(squared))
             if placed:
                 x = (1.0 - u) * translations[i, b, 0] + u * translations[j, b, 0]
                 y = (1.0 - u) * translations[i, b, 1] + u * translations[j, b, 1]

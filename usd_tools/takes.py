@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from geomstats_anim import Animation, Skeleton
-from geomstats_anim import rotations as quat
-from geomstats_anim.learning.learn import STILL
+from geomstats_anim.learning.learn import turns
 from usd_tools.errors import ToolError
 from usd_tools.resampling import animation_of
 from usd_tools.skel_reader import SkelClip
@@ -95,7 +94,7 @@ def take_of(path: Path, clip: SkelClip, alone: bool = True) -> Take:
         raise ToolError(
             f"{path}: {clip.path} has {longest} samples{between}, too few to learn from; {MIN_SAMPLES} are needed."
         )
-    moving = tuple(stretch for stretch in stretches if stretch.n_frames >= MIN_SAMPLES and _moves(stretch))
+    moving = tuple(stretch for stretch in stretches if stretch.n_frames >= MIN_SAMPLES and turns(stretch))
     if not moving:
         raise ToolError(f"{path}: no joint of {clip.path} turns, so there is nothing to learn.")
     label = path.name if alone else f"{path.name}, {clip.path}"
@@ -114,10 +113,6 @@ def _stretches(clip: SkelClip) -> list[Animation]:
     frames = np.arange(animation.n_frames)
     parts = (part[sampled[part]] for part in np.split(frames, cuts))
     return [animation.at_frames(part) for part in parts if len(part)]
-
-
-def _moves(animation: Animation) -> bool:
-    return bool((quat.distance(animation.rotations, animation.rotations[:1]) >= STILL).any())
 
 
 def difference(take: Take, first: Take) -> str | None:

@@ -13,7 +13,7 @@ from geomstats_anim.animation import Animation
 from geomstats_anim.interpolation import SCHEMES
 from geomstats_anim.keyframes import KeyProblem, uniform_keyframes
 from geomstats_anim.learning.learn import SCHEMES as LEARNED_SCHEMES
-from geomstats_anim.learning.learn import learn_metric
+from geomstats_anim.learning.learn import learn_metric, turns
 from geomstats_anim.parameters import CurveParameters, LearnedMetric
 
 SELECTIONS = ("optimal", "uniform")
@@ -122,17 +122,17 @@ def compress(
         """Learn a metric, if there is anything to learn from."""
         pairs = zip(animations, keyframes, strict=True)
         sparse = [(animation, kept) for animation, kept in pairs if len(kept) < animation.n_frames]
-        try:
-            return learn_metric(
-                [animation for animation, _ in sparse],
-                [kept for _, kept in sparse],
-                family=family,
-                scheme=scheme,
-                kind="hyb" if problems[0].measure.largest else kind or "hyb",
-                progress=progress,
-            )
-        except ValueError:
+        if not any(turns(animation) for animation, _ in sparse):
             return None
+        return learn_metric(
+            [animation for animation, _ in sparse],
+            [kept for _, kept in sparse],
+            family=family,
+            scheme=scheme,
+            # what is best for all joints and frames is far quicker to find than what is best for the worst, and near
+            kind="hyb" if problems[0].measure.largest else kind or "hyb",
+            progress=progress,
+        )
 
     plain = plain_metric(animations[0].skeleton.joints, scheme)
     learn: Fit = fit if scheme in LEARNED_SCHEMES else lambda keyframes: None

@@ -231,8 +231,13 @@ def _check(animations: Sequence[Animation], keys: Sequence[np.ndarray], purpose:
         raise ValueError("There is only one segment between keys, which cannot tell how to predict; keep more keys.")
     if all(len(kept) == clip.n_frames for clip, kept in zip(animations, keys, strict=True)):
         raise ValueError("Every frame is a key, so there is nothing to rebuild; keep fewer keys.")
-    if all((quat.distance(clip.rotations, clip.rotations[:1]) < STILL).all() for clip in animations):
+    if not any(turns(clip) for clip in animations):
         raise ValueError("No joint turns, so there is nothing to learn.")
+
+
+def turns(animation: Animation) -> bool:
+    """Whether any joint turns."""
+    return bool((quat.distance(animation.rotations, animation.rotations[:1]) >= STILL).any())
 
 
 def _together(clips: Sequence[Objective], workers: int) -> Learnable:
