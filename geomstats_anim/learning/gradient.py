@@ -1,7 +1,8 @@
-"""The gradient search: a coarse grid, scipy's L-BFGS-B from there with the exact gradient, the better side a joint.
+"""The gradient search: a coarse grid, a descent of each joint from there, and scipy's L-BFGS-B for all joints at once.
 
-The rotation error is a sum over joints, so one evaluation of the grid serves all joints at once, and each takes its own
-best. The location error couples a joint to those below it; there the rotation's best is where the search starts.
+The rotation error is a sum over joints, so one evaluation of the grid, or of the descents, serves all joints at once,
+and each takes its own best, the better side too. The location error couples a joint to those below it; the rotation's
+best is where the last descent, which sees both, starts.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ _ROUGHLY = {"maxiter": 60, "ftol": 1e-5}
 _EXACTLY = {"maxiter": 100, "ftol": 2e-6}
 """When L-BFGS-B stops: starts are followed roughly, the best exactly; ftol is in shares of the start's value."""
 
-_REFINED, _MAX_ROUNDS = 1e-6, 30
+_REFINED, _ROUNDS, _ROUGH_ROUNDS = 1e-6, 20, 10
 """When a single joint's descent stops, in shares of its error at the start, or in rounds."""
 
 _NEGLIGIBLE = 1e-3
@@ -46,8 +47,8 @@ _TENSION, _TRANSLATION_TENSION = _TENSIONS
 _BOUNDS = [(-BOUND, BOUND)] * 2 + [(-np.pi, np.pi)] * 3 + [(0.0, MAX_TENSION)] * 2
 """Of the columns of a point."""
 
-_TILTED = 64
-"""Tilted matrices that every joint tries, where the family has them."""
+_TILTED, _TILTED_STARTS, _TILTED_ROUNDS = 128, 2, 60
+"""Tilted matrices that every joint tries, where the family has them; descents from the best; and their rounds."""
 
 
 class Learnable(Protocol):
@@ -117,7 +118,7 @@ def search_gradient(
     progress : callable
         Called with the number of evaluations and the best value so far.
     rough : bool
-        Stop after a descent on each side, for fits that only tell how well fits predict.
+        Take a coarser grid and fewer steps, for fits that only tell how well fits predict.
         Optional, default: False.
 
     Returns
@@ -129,16 +130,17 @@ def search_gradient(
     sides = INVARIANCES if invariance in ("clip", "joint") else (invariance,)
     search = _Search(objective, n_joints, _free_columns(family, scheme), sides, invariance != "joint", progress)
     grids = {side: search.grid(side, _ROUGH_GRID if rough else _GRID) for side in sides}
-    fits = {side: search.refine(*best, (side,) * n_joints) for side, best in grids.items()}
-    for side, (point, _) in fits.items():
+    rounds = _ROUGH_ROUNDS if rough else _ROUNDS
+    fits = {side: search.refine(best, (side,) * n_joints, rounds) for side, best in grids.items()}
+    for side, point in fits.items():
         search.offer_by_joint(point, (side,) * n_joints)
     # what is best for rotations may be far from what is best for bone ends alone
     starts = [fits, grids] if objective.kind == "loc" else [fits]
     for start in starts:
         if invariance == "joint" and not rough:
-            search.try_other_sides({side: point for side, (point, _) in start.items()})
+            search.try_other_sides(start)
         if invariance == "clip" or len(starts) > 1:
-            for side, (point, _) in start.items():
+            for side, point in start.items():
                 search.descend(point, (side,) * n_joints, _ROUGHLY)
     search.descend(search.best_point, search.best_sides, _ROUGHLY if rough else _EXACTLY)
     if family == "spd" and not rough:
@@ -234,8 +236,8 @@ class _Search:
         mixed_sides = (mine if ok else other for ok, mine, other in zip(better, sides, self.best_sides, strict=True))
         self.offer(np.where(better[:, None], point, self.best_point), tuple(mixed_sides))
 
-    def grid(self, side: str, values: Array) -> tuple[Array, Array]:
-        """Best point of the grid for each joint's own rotation error, shape=[B, 7], and those errors.
+    def grid(self, side: str, values: Array) -> Array:
+        """Best point of the grid for each joint's own rotation error, shape=[B, 7].
 
         A joint that no point helps, because it does not turn, or about one axis only, stays at the identity.
         """
@@ -246,10 +248,10 @@ class _Search:
             errors = self._rotation_errors(trial, (side,) * self.n_joints)
             better = errors < least
             point[better], least[better] = trial[better], errors[better]
-        return point, least
+        return point
 
-    def refine(self, point: Array, errors: Array, sides: tuple[str, ...]) -> tuple[Array, Array]:
-        """Follow the gradient of each joint's own rotation error, and tell where and what it comes to."""
+    def refine(self, point: Array, sides: tuple[str, ...], rounds: int) -> Array:
+        """Follow the gradient of each joint's own rotation error, and tell where to, shape=[B, 7]."""
         free = [column for column in self._free if column != _TRANSLATION_TENSION]
 
         def placed(values: Array, joints: np.ndarray) -> Array:
@@ -267,10 +269,10 @@ class _Search:
 
         lower, upper = np.transpose([_BOUNDS[column] for column in free])
         tolerance = _REFINED * np.maximum(self._base_errors, _NEGLIGIBLE * self._base_errors.max(initial=1e-12))
-        values, errors, curvature = minimize_each(evaluate, point[:, free], lower, upper, tolerance, _MAX_ROUNDS)
+        values, _, curvature = minimize_each(evaluate, point[:, free], lower, upper, tolerance, rounds)
         self._scale[:, free] = np.sqrt(curvature + _FLAT * curvature.max(initial=1e-12))
         self._scale[:, _TRANSLATION_TENSION] = self._scale[:, free].min()
-        return placed(values, np.arange(self.n_joints)), errors
+        return placed(values, np.arange(self.n_joints))
 
     def descend(self, point: Array, sides: tuple[str, ...], stop: dict[str, float]) -> None:
         """Follow the gradient from a point."""
@@ -313,12 +315,22 @@ class _Search:
             self.offer(point, sides)
 
     def tilt(self) -> None:
-        """Go on from the best diagonal matrices with free axes, and from the best of many tilted ones."""
+        """Go on from the best diagonal matrices with free axes, and from the best of several sets of tilted ones."""
         diagonal, diagonal_sides = self.best_point, self.best_sides
         random = np.random.default_rng(0)
         trials = np.concatenate(
             [random.uniform(_GRID[0], _GRID[-1], (_TILTED, 2)), random.normal(0.0, 1.5, (_TILTED, 3))], axis=1
         )
+        starts = [(diagonal, diagonal_sides)]
+        for some in np.array_split(trials, _TILTED_STARTS):
+            starts.append(self._best_tilted(diagonal, diagonal_sides, some))
+        for start, sides in starts:
+            self.offer_by_joint(self.refine(start, sides, _TILTED_ROUNDS), sides)
+
+    def _best_tilted(
+        self, diagonal: Array, diagonal_sides: tuple[str, ...], trials: Array
+    ) -> tuple[Array, tuple[str, ...]]:
+        """Choose the trial, shape=[n, 5], that is best for each joint's own rotation error, and its side."""
         point, chosen, least = diagonal.copy(), list(diagonal_sides), np.full(self.n_joints, np.inf)
         for number, trial in enumerate(trials):
             side = self._sides[number % len(self._sides)]
@@ -330,8 +342,7 @@ class _Search:
             point[better], least[better] = trial_point[better], trial_errors[better]
             for joint in better:
                 chosen[joint] = trial_sides[joint]
-        for start, sides in ((diagonal, diagonal_sides), (point, tuple(chosen))):
-            self.offer_by_joint(self.refine(start, least, sides)[0], sides)
+        return point, tuple(chosen)
 
     def _rotation_errors(self, point: Array, sides: tuple[str, ...]) -> Array:
         """Rotation errors of the joints that turn, shape=[B], and those at the start of the others."""
