@@ -15,8 +15,8 @@ def editable_paths(layer: Sdf.Layer, source: AnimationSource, messages: Messages
     """Find, or make, the prims of a layer on which samples of an animation count.
 
     The prim itself, if it is in no instance. Otherwise the prim that the instances are made of, if the stage's own
-    layers have it; a new SkelAnimation beside the instance, if the skeletons take their animation from outside; and as
-    a last resort the prims inside, which then are no longer instances.
+    layers have it at the same times; a new SkelAnimation beside the instance, if the skeletons take their animation
+    from outside; and as a last resort the prims inside, which then are no longer instances.
 
     Parameters
     ----------
@@ -33,7 +33,9 @@ def editable_paths(layer: Sdf.Layer, source: AnimationSource, messages: Messages
     if not source.prim.IsInstanceProxy():
         return [source.prim.GetPath()]
     own_layers = source.stage.GetLayerStack()
-    local = [spec.path for spec in source.prim.GetPrimStack() if spec.layer in own_layers]
+    stack = source.prim.GetPrimStackWithLayerOffsets()
+    # Through a layer offset the samples would be at other times than those that are asked for.
+    local = [spec.path for spec, offset in stack if spec.layer in own_layers and offset.IsIdentity()]
     if local:
         return [local[0].StripAllVariantSelections()]
     if source.skeletons and not any(_is_bound_inside(skeleton) for skeleton in source.skeletons):

@@ -137,10 +137,10 @@ def read_metric(prim: Usd.Prim) -> LearnedMetric | None:
             raise ToolError(
                 f"{prim.GetPath()}: {NAMESPACE}:{name} has {len(values[name])} values for {n_joints} joints."
             )
-    entries = _from_usd(prim.GetCustomDataByKey(NAMESPACE) or {})
-    quality = str(entries.pop("quality", ""))
     axes = values["axes"]
     try:
+        entries = _from_usd(dict(prim.GetCustomDataByKey(NAMESPACE) or {}))
+        quality = str(entries.pop("quality", ""))
         parameters = MetricParameters(
             np.array(values["alpha"]),
             np.array(values["beta"]),
@@ -215,12 +215,15 @@ def _to_usd(entries: Mapping[str, Any], where: str) -> dict[str, Any]:
 def _from_usd(entries: Mapping[str, Any]) -> dict[str, Any]:
     """Turn what `_to_usd` made into plain values again."""
     converted: dict[str, Any] = {}
-    for key in entries.get(_ENTRIES, entries):
-        value = entries[key]
+    names = entries.get(_ENTRIES)
+    for key in names if isinstance(names, Vt.StringArray) else entries:
+        value = entries.get(key)
         if isinstance(value, Mapping):
             converted[key] = _from_usd(value)
         elif isinstance(value, str | bool | int | float):
             converted[key] = value
-        else:
+        elif isinstance(value, Vt.StringArray | Vt.Int64Array | Vt.DoubleArray):
             converted[key] = list(value)
+        elif key in entries:
+            raise ValueError(f"{key} of its customData is of a type that no metric has; remove it.")
     return converted

@@ -122,11 +122,7 @@ def joint_meanings(metric: LearnedMetric) -> list[JointMeaning]:
     nearest = np.abs(rows).argmax(axis=-1)
     cosines = np.take_along_axis(np.abs(rows), nearest[..., None], axis=-1)[..., 0]
     tilts = np.degrees(np.arccos(np.clip(cosines, 0.0, 1.0)))
-    stored = metric.provenance.get(BY_JOINT)
-    known = {}
-    if isinstance(stored, dict) and len(stored.get("joints", ())) == len(stored.get("degrees", ())):
-        columns = (stored["joints"], stored["degrees"], stored.get("slerp_degrees", ()))
-        known = {joint: (slerp - learned, slerp) for joint, learned, slerp in zip(*columns, strict=False)}
+    known = _known_errors(metric.provenance)
     meanings = []
     for i, joint in enumerate(metric.joints):
         gain, slerp = known.get(joint, (None, None))
@@ -143,6 +139,17 @@ def joint_meanings(metric: LearnedMetric) -> list[JointMeaning]:
             )
         )
     return sorted(meanings, key=lambda one: (not one.matters, -(one.gain or 0.0), -one.ratio))
+
+
+def _known_errors(provenance: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
+    """Gain and slerp's error of each joint; empty if nobody has stored them, or not as `learn` does."""
+    try:
+        stored = provenance[BY_JOINT]
+        columns = (stored[name] for name in ("joints", "degrees", "slerp_degrees"))
+        rows = zip(*columns, strict=True)
+        return {str(joint): (float(slerp) - float(learned), float(slerp)) for joint, learned, slerp in rows}
+    except (KeyError, TypeError, ValueError):
+        return {}
 
 
 def table_rows(meanings: Sequence[JointMeaning]) -> list[tuple[str, ...]]:

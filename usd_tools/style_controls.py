@@ -101,7 +101,8 @@ def styled(metric: LearnedMetric, styles: Sequence[Style]) -> LearnedMetric:
     if not used:
         return metric
     parameters = MetricParameters(alpha, beta, metric.parameters.axes, tuple(invariance))
-    provenance = {**metric.provenance, "styles": [*metric.provenance.get("styles", []), *used]}
+    before = metric.provenance.get("styles")
+    provenance = {**metric.provenance, "styles": [*(before if isinstance(before, list) else []), *used]}
     return replace(metric, parameters=parameters, quality="", provenance=provenance)
 
 

@@ -6,7 +6,7 @@ import re
 from random import Random
 
 NUMBERS = (
-    b"nan inf -inf 0 -0 1 -1 1e308 -1e308 1e-320 1e39 65520 1e9 2147483648 18446744073709551616 0.5 None 1e400".split()
+    b"nan inf -inf 0 -0 1 -1 1e308 -1e308 1e-320 1e39 65520 1e9 2147483648 18446744073709551616 0.5 7 1e400".split()
 )
 WORDS = (
     b"def over class SkelAnimation Skeleton SkelRoot Xform uniform custom token[] quatf[] quatd[] float3[] half3[] "

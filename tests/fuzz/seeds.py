@@ -59,7 +59,17 @@ def _with_metric(path: Path) -> Path:
     stage = make_rig(path, codes=range(5), rotations=random_rotations(5, 3))
     joints = tuple(stage.GetPrimAtPath(ANIMATION).GetAttribute("joints").Get())
     parameters = MetricParameters([4.0, 1.0, 2.0], [0.5, 1.0, 1.0], np.eye(3), ("left", "right", "left"))
-    metric = LearnedMetric(joints, parameters, np.ones(3), "geodesic-spline", "hyb", {"source": "a.usda", "seed": 3})
+    provenance = {
+        "source": "a.usda",
+        "seed": 3,
+        "styles": ["*:alpha=2"],
+        "score": 0.1,
+        "slerp_score": 0.2,
+        "plain_score": 0.2,
+        "out_of_sample": {"what": ["b"], "scores": [0.3], "slerp_scores": [0.2], "plain_scores": [0.1]},
+        "by_joint": {"joints": list(joints), "degrees": [1.0, 2.0, 3.0], "slerp_degrees": [2.0, 2.0, 4.0]},
+    }
+    metric = LearnedMetric(joints, parameters, np.ones(3), "geodesic-spline", "hyb", provenance)
     write_metric(stage.GetRootLayer().GetPrimAtPath(ANIMATION), metric)
     stage.Save()
     return path

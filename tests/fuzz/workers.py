@@ -132,7 +132,7 @@ def _plain_usd(trial: Trial) -> str:
         path.write_bytes(trial.data)
         command = [sys.executable, "-c", PLAIN, str(path), f"{folder}/out.usda"]
         try:
-            code = subprocess.run(command, capture_output=True, timeout=2.0 * PATIENCE).returncode
+            code = subprocess.run(command, capture_output=True, timeout=PATIENCE / 2.0).returncode
         except subprocess.TimeoutExpired:
-            return "hangs"
+            return f"takes more than {PATIENCE / 2.0:g} s too"
         return f"dies of signal {-code}" if code < 0 else ""

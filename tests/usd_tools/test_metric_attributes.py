@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from pxr import Sdf, Usd
+from pxr import Sdf, Usd, Vt
 from rigs import ANIMATION, JOINTS, SKELETON, make_rig, stored_metric
 
 from geomstats_anim import LearnedMetric, MetricParameters
@@ -154,6 +154,23 @@ def test_wrong_type(tmp_path):
     prim.CreateAttribute("geodesicMetric:alpha", Sdf.ValueTypeNames.FloatArray).Set([1.0, 1.0, 1.0])
     with pytest.raises(ToolError, match="geodesicMetric:alpha has type float\\[\\]; it must have type double\\[\\]"):
         read_metric(prim)
+
+
+@pytest.mark.parametrize("entries", [{"entries": 3}, {"entries": Vt.StringArray(["gone"])}, {"by_joint": 1.0, "x": 2}])
+def test_provenance_that_somebody_has_edited(tmp_path, run, entries):
+    stage = make_rig(tmp_path / "in.usda")
+    spec = stage.GetRootLayer().GetPrimAtPath(ANIMATION)
+    write_metric(spec, some_metric())
+    spec.customData = {"geodesicMetric": {**entries, "styles": 5}}
+    stage.Save()
+    code, _, err = run("inspect", tmp_path / "in.usda")
+    assert (code, err) == (0, "")
+    out = ["-o", tmp_path / "out.usda", "--factor", 2, "--alpha", 3]
+    assert run("upsample", tmp_path / "in.usda", *out)[0] == 0
+    assert stored_metric(tmp_path / "out.usda").provenance["styles"] == ["*:alpha=3"]
+    spec.customData = {"geodesicMetric": {"where": Sdf.AssetPath("a.usda")}}
+    with pytest.raises(ToolError, match="makes no metric: where of its customData is of a type that no metric has"):
+        read_metric(stage.GetPrimAtPath(ANIMATION))
 
 
 def test_provenance_that_usd_cannot_hold():

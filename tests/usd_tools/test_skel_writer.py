@@ -208,6 +208,26 @@ def test_instances(tmp_path, run, arc):
     assert err.count("is no longer an instance") == (0 if arc == "local" else 2)
 
 
+@pytest.mark.parametrize("verb", ["upsample", "downsample"])
+def test_instances_through_an_offset_keep_their_times(tmp_path, run, verb):
+    """What the instances are made of is at other times than they are, so that it cannot be changed for them."""
+    make_rig(tmp_path / "asset.usda", codes=range(6), rotations=random_rotations(6, 3))
+    make_instances(tmp_path / "in.usda", "local")
+    stage = Usd.Stage.Open(str(tmp_path / "in.usda"))
+    for name in ("A", "B"):
+        references = stage.GetPrimAtPath(f"/World/{name}").GetReferences()
+        references.SetReferences([Sdf.Reference("", "/_class/Rig", Sdf.LayerOffset(10.0, 0.5))])
+    stage.Save()
+    options = ["--factor", 2] if verb == "upsample" else ["--keys", 4]
+    assert run(verb, tmp_path / "in.usda", "-o", tmp_path / "out.usda", *options)[0] == 0
+    codes, values = read(tmp_path / "out.usda", prim="/World/A/Anim")
+    source = {10.0 + 0.5 * k: value for k, value in enumerate(random_rotations(6, 3))}
+    kept = [code for code in codes if code in source]
+    assert len(kept) == {"upsample": 6, "downsample": 4}[verb]
+    assert bits([values[codes.index(code)] for code in kept]) == bits([source[code] for code in kept])
+    assert read(tmp_path / "out.usda", prim="/World/B/Anim")[0] == codes
+
+
 def test_instances_that_take_their_animation_from_outside(tmp_path, run):
     stage = make_rig(tmp_path / "asset.usda", bind=False)
     UsdSkel.BindingAPI.Apply(stage.GetPrimAtPath("/Rig")).CreateAnimationSourceRel().SetTargets([ANIMATION])
