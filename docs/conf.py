@@ -1,16 +1,14 @@
 """Sphinx builds the documentation from here: sphinx-build -W --keep-going -b html docs docs/_build/html.
 
-Nothing is fetched: formulas become MathML when the pages are built, and figures are files in docs/images.
+Nothing is fetched: formulas are drawn into the pages when they are built, and figures are files in docs/images.
 """
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 from typing import Any
-
-from docutils import nodes
-from docutils.utils.math import latex2mathml
 
 import geomstats_anim
 
@@ -21,11 +19,11 @@ author = "The geomstats-anim authors"
 copyright = author
 version = release = geomstats_anim.__version__
 
-extensions = ["sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton", "verbs"]
+extensions = ["sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton", "formulas", "verbs"]
 exclude_patterns = ["_build"]
-smartquotes = False  # they would make dashes of options
 default_role = "py:obj"  # docstrings name things in single backquotes
 toc_object_entries_show_parents = "hide"
+html_math_renderer = "formulas"
 html_theme = "furo"
 html_title = "geomstats-anim"
 html_static_path = ["_static"]
@@ -37,7 +35,7 @@ html_theme_options = {
 copybutton_prompt_text = r">>> |\.\.\. "
 copybutton_prompt_is_regexp = True
 
-autodoc_default_options = {"members": True, "show-inheritance": True}
+autodoc_default_options = {"members": True}
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # docstrings say types, and shapes
 autodoc_preserve_defaults = True
@@ -46,27 +44,18 @@ napoleon_use_ivar = True
 napoleon_use_rtype = False
 
 
-def _mathml(text: str, as_block: bool) -> str:
-    """Turn a formula into MathML, which browsers draw without a script."""
-    return latex2mathml.tex2mathml(text, as_block=as_block)
+def _escape(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
+    """Let ``|m|`` in a docstring be a length and ``*space.shape`` a shape, outside of backquotes."""
+    for number, line in enumerate(lines):
+        parts = line.split("`")
+        parts[::2] = [re.sub(r"\|(\w+)\||\*space\.shape", _escaped, part) for part in parts[::2]]
+        lines[number] = "`".join(parts)
 
 
-def _visit_inline(translator: Any, node: nodes.math) -> None:
-    translator.body.append(_mathml(node.astext(), as_block=False))
-    raise nodes.SkipNode
-
-
-def _visit_block(translator: Any, node: nodes.math_block) -> None:
-    text = node.astext()
-    if r"\\" in text and r"\begin" not in text:
-        text = rf"\begin{{aligned}} {text} \end{{aligned}}"
-    translator.body.append(f'<div class="math">{_mathml(text, as_block=True)}</div>\n')
-    raise nodes.SkipNode
+def _escaped(found: re.Match[str]) -> str:
+    return re.sub(r"([|*])", r"\\\1", found[0])
 
 
 def setup(app: Any) -> None:
-    """Draw formulas as MathML."""
-    app.add_html_math_renderer("mathml", (_visit_inline, None), (_visit_block, None))
-
-
-html_math_renderer = "mathml"
+    """Listen to autodoc."""
+    app.connect("autodoc-process-docstring", _escape)

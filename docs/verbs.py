@@ -18,7 +18,8 @@ import usd_tools
 
 _FOLDER = Path(usd_tools.__file__).parent
 _ORDER = ("inspect", "from_bvh", "upsample", "learn", "downsample", "compare")
-_WIDTH = 92
+_WIDTH = 84
+_LONGEST = 42
 
 
 def verbs() -> list[str]:
@@ -45,7 +46,7 @@ def _described(action: argparse.Action, parse: argparse.ArgumentParser) -> Itera
     """Lines of reStructuredText for one argument."""
     value = ""
     if action.nargs != 0:
-        value = action.metavar or (f"{{{','.join(map(str, action.choices))}}}" if action.choices else action.dest)
+        value = action.metavar or (_choices(action) if action.choices else action.dest)
         value = f"{value} [{value} ...]" if action.nargs == "+" else value
     if action.option_strings:
         yield f".. option:: {', '.join(f'{option} {value}'.strip() for option in action.option_strings)}"
@@ -55,7 +56,21 @@ def _described(action: argparse.Action, parse: argparse.ArgumentParser) -> Itera
     formatter = parse._get_formatter()
     text = formatter._expand_help(action) if action.help else ""
     yield f"   {_marked_up(text[:1].upper() + text[1:])}."
+    if action.choices and action.metavar:
+        words = [f"``{word}``" for word in action.choices]
+        yield f"   {action.metavar} is {', '.join(words[:-1])} or {words[-1]}."
     yield ""
+
+
+def _choices(action: argparse.Action) -> str:
+    return f"{{{','.join(map(str, action.choices or ()))}}}"
+
+
+def _shorten(parse: argparse.ArgumentParser) -> None:
+    """Name what has too many choices for one line."""
+    for action in parse._actions:
+        if action.choices and not action.metavar and len(_choices(action)) > _LONGEST:
+            action.metavar = action.dest.upper()
 
 
 class Verbs(SphinxDirective):
@@ -75,6 +90,7 @@ class Verbs(SphinxDirective):
 
     def _section(self, verb: str) -> Iterator[str]:
         parse: argparse.ArgumentParser = import_module(f"usd_tools.{verb}").parser()
+        _shorten(parse)
         parse.formatter_class = lambda prog: argparse.HelpFormatter(prog, width=_WIDTH)
         yield from (f".. _{verb}:", "", verb, "-" * len(verb), "", f".. program:: {verb}", "")
         yield from (_marked_up(parse.description or ""), "", ".. code-block:: text", "")
