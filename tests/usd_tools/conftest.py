@@ -4,14 +4,15 @@ import json
 
 import pytest
 
-from usd_tools import compare, from_bvh, inspect, learn, upsample
+from usd_tools import compare, downsample, from_bvh, inspect, learn, upsample
 
 
 @pytest.fixture
 def run(capsys):
     """Call a verb in process; give its exit code, stdout and stderr."""
 
-    verbs = {"upsample": upsample, "inspect": inspect, "learn": learn, "compare": compare, "from_bvh": from_bvh}
+    modules = (upsample, downsample, inspect, learn, compare, from_bvh)
+    verbs = {module.__name__.rpartition(".")[2]: module for module in modules}
 
     def call(verb, *arguments):
         main = verbs[verb].main

@@ -44,7 +44,10 @@ def draw_kept(reduced: Sequence[Reduced]) -> Figure:
         speed_panel.vlines(kept, 0.0, at_kept, color=color, linewidth=0.8, alpha=0.6)
         speed_panel.plot(kept, at_kept, "o", color=color, markersize=4.5)
         speed_panel.set_title(
-            f"{each.clip.source.prim.GetName()}: {len(kept)} of {truth.n_frames} samples kept", color=INK, size=11, weight="bold"
+            f"{each.clip.source.prim.GetName()}: {len(kept)} of {truth.n_frames} samples kept",
+            color=INK,
+            size=11,
+            weight="bold",
         )
         speed_panel.set_ylabel("mean speed of\nbone ends (cm/s)")
         speed_panel.tick_params(labelbottom=False)

@@ -1,0 +1,393 @@
+"""Downsample: what is kept is kept bit for bit, what is removed comes back as near as is said, the rest stays."""
+
+import json
+
+import numpy as np
+import pytest
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
+from rigs import ANIMATION, DATA, JOINTS, SKELETON, bits, make_rig, random_rotations, read, set_samples, stored_metric
+
+CLIPS = sorted((DATA / "clips").glob("*.usda"))
+AMOUNTS = (["--rate", ".3"], ["--keys", "7"], ["--tolerance", "1"])
+QUICK = ["--scheme", "slerp"]
+"""For what does not depend on a metric."""
+
+
+@pytest.fixture
+def clip(tmp_path):
+    """Forty samples of three joints that all move."""
+    make_rig(tmp_path / "in.usda", codes=range(40), rotations=random_rotations(40, 3, size=0.8))
+    return tmp_path / "in.usda"
+
+
+@pytest.fixture
+def there_and_back(tmp_path, run):
+    """Downsample and upsample a file; give the sparse file, the restored one, and the report."""
+
+    def call(source, *arguments, out="out.usda"):
+        sparse, back, report = tmp_path / out, tmp_path / "back.usda", tmp_path / "report.json"
+        code, _, err = run("downsample", source, "-o", sparse, "--report", report, *arguments)
+        assert code == 0, err
+        code, _, err = run("upsample", sparse, "-o", back, "--times", "source")
+        assert code == 0, err
+        return sparse, back, json.loads(report.read_text())
+
+    return call
+
+
+def bone_ends(path, codes, ends):
+    """Where bone ends are, in centimetres, as OpenUSD places the joints, shape=[F, B, 3]."""
+    stage = Usd.Stage.Open(str(path))
+    cache = UsdSkel.Cache()
+    skeleton = next(prim for prim in stage.Traverse() if prim.IsA(UsdSkel.Skeleton))
+    query = cache.GetSkelQuery(UsdSkel.Skeleton(skeleton))
+    to_world = UsdGeom.Imageable(skeleton).ComputeLocalToWorldTransform(0)
+    unit = 100.0 * UsdGeom.GetStageMetersPerUnit(stage)
+    places = []
+    for code in codes:
+        transforms = query.ComputeJointSkelTransforms(float(code))
+        places.append(
+            [(matrix * to_world).Transform(Gf.Vec3d(*end)) for matrix, end in zip(transforms, ends, strict=True)]
+        )
+    return unit * np.array(places)
+
+
+RIG_ENDS = [[0.0, 10.0, 0.0], [0.0, 10.0, 0.0], [0.0, 10.0, 0.0]]
+
+
+@pytest.mark.parametrize("amount", AMOUNTS)
+@pytest.mark.parametrize("select", ["optimal", "uniform"])
+def test_there_and_back(clip, there_and_back, amount, select):
+    sparse, back, report = there_and_back(clip, *amount, "--select", select)
+    animation = report["animations"][0]
+    for name in ("rotations", "translations"):
+        codes, values = read(clip, name)
+        kept_codes, kept = read(sparse, name)
+        back_codes, restored = read(back, name)
+        assert kept_codes == animation["kept_time_codes"] and kept_codes[0] == 0 and kept_codes[-1] == 39
+        assert bits(kept) == bits([values[int(code)] for code in kept_codes])
+        assert back_codes == codes
+        assert bits([restored[int(code)] for code in kept_codes]) == bits(kept)
+    if "--tolerance" not in amount:
+        assert len(kept_codes) == (7 if "--keys" in amount else 12)
+    errors = np.linalg.norm(bone_ends(clip, codes, RIG_ENDS) - bone_ends(back, codes, RIG_ENDS), axis=-1)
+    assert errors.max() == pytest.approx(animation["rebuilt"]["centimetres"]["largest"], abs=1e-3)
+    assert errors.mean() == pytest.approx(animation["rebuilt"]["centimetres"]["mean"], abs=1e-3)
+    played = np.linalg.norm(bone_ends(clip, codes, RIG_ENDS) - bone_ends(sparse, codes, RIG_ENDS), axis=-1)
+    assert played.max() == pytest.approx(animation["played"]["centimetres"]["largest"], abs=1e-3)
+    if "--tolerance" in amount:
+        assert errors.max() <= 1.0
+
+
+@pytest.mark.slow
+def test_chosen_samples_are_better_than_every_third(clip, there_and_back):
+    chosen, spaced = (
+        there_and_back(clip, "--rate", ".3", "--select", select)[2]["animations"][0]["rebuilt"]["q_hyb"]
+        for select in ("optimal", "uniform")
+    )
+    assert chosen < spaced
+
+
+def test_tighter_tolerances_keep_more(clip, there_and_back):
+    kept = [
+        there_and_back(clip, "--tolerance", cm, *QUICK)[2]["animations"][0]["kept_samples"] for cm in (0.1, 1, 5, 100)
+    ]
+    assert kept == sorted(kept, reverse=True) and kept[-1] < kept[0]
+
+
+@pytest.mark.parametrize("scheme", ["slerp", "linear", "geodesic", "rotation-spline"])
+def test_the_scheme_travels_along(clip, there_and_back, scheme):
+    sparse, _, _ = there_and_back(clip, "--tolerance", "1", "--scheme", scheme)
+    assert stored_metric(sparse).scheme == scheme
+
+
+def test_result_does_not_need_its_source(tmp_path, clip, run):
+    (tmp_path / "far").mkdir()
+    assert run("downsample", clip, "-o", tmp_path / "far" / "out.usdc", "--rate", ".3", *QUICK)[0] == 0
+    before = read(clip)[1]
+    clip.unlink()
+    assert run("upsample", tmp_path / "far" / "out.usdc", "-o", tmp_path / "back.usda", "--times", "source")[0] == 0
+    assert bits(read(tmp_path / "back.usda")[1][:1]) == bits(before[:1])
+
+
+def test_constant_channels_become_defaults(tmp_path, there_and_back):
+    make_rig(
+        tmp_path / "in.usda",
+        codes=range(20),
+        rotations=random_rotations(20, 3),
+        translations=np.full((20, 3, 3), 10.0, dtype=np.float32),
+        scales=np.ones((20, 3, 3), dtype=np.float16),
+    )
+    sparse, back, report = there_and_back(tmp_path / "in.usda", "--rate", ".3", *QUICK)
+    for name in ("translations", "scales"):
+        assert read(sparse, name)[0] == [] and read(back, name)[0] == []
+        stage = Usd.Stage.Open(str(back))
+        prim = stage.GetPrimAtPath(ANIMATION)
+        assert np.array_equal(np.array(prim.GetAttribute(name).Get()), np.full((3, 3), 10.0 if name[0] == "t" else 1.0))
+    assert report["animations"][0]["constant"] == ["translations", "scales"]
+
+
+def test_what_never_moves_says_how_long(tmp_path, there_and_back):
+    make_rig(
+        tmp_path / "in.usda",
+        codes=range(20),
+        rotations=np.repeat(random_rotations(1, 3), 20, axis=0),
+        translations=np.full((20, 3, 3), 10.0, dtype=np.float32),
+    )
+    for amount in AMOUNTS:
+        sparse, back, report = there_and_back(tmp_path / "in.usda", *amount)
+        assert read(sparse)[0] == [0.0, 19.0] and read(back)[0] == list(range(20))
+        assert report["animations"][0]["rebuilt"]["centimetres"]["largest"] == 0.0
+
+
+def test_two_samples_and_one_joint(tmp_path, there_and_back):
+    make_rig(tmp_path / "two.usda", codes=(0, 7))
+    for amount in (["--rate", ".5"], ["--keys", "2"], ["--tolerance", "1"]):
+        assert read(there_and_back(tmp_path / "two.usda", *amount)[1])[0] == [0.0, 7.0]
+    make_rig(tmp_path / "one.usda", codes=range(30), joints=["hips"], rotations=random_rotations(30, 1))
+    assert there_and_back(tmp_path / "one.usda", "--tolerance", "1")[2]["animations"][0]["kept_samples"] < 30
+
+
+def test_value_blocks_and_steps_stay(tmp_path, there_and_back):
+    poses, moves = list(random_rotations(40, 3)), list(np.full((40, 3, 3), 10.0, dtype=np.float32))
+    for frame, move in enumerate(moves):
+        move[0, 0] = frame
+    poses[12] = moves[12] = None
+    codes = [*map(float, range(25)), 24.0 + 1e-4, *map(float, range(26, 40))]
+    make_rig(tmp_path / "in.usda", codes=codes, rotations=poses, translations=moves)
+    sparse, back, _ = there_and_back(tmp_path / "in.usda", "--rate", ".2", *QUICK)
+    kept, values = read(sparse)
+    assert {0.0, 11.0, 12.0, 13.0, 24.0, 24.0 + 1e-4, 39.0} <= set(kept) and len(kept) < 20
+    assert values[kept.index(12.0)] is None
+    assert read(back)[0] == codes
+    assert [value is None for value in read(back)[1]] == [value is None for value in poses]
+
+
+def test_channels_with_samples_at_different_times(tmp_path, there_and_back):
+    stage = make_rig(tmp_path / "in.usda", codes=range(20), rotations=random_rotations(20, 3), translations=None)
+    moves = np.linspace(0.0, 30.0, 3 * 9, dtype=np.float32).reshape(3, 3, 3)
+    UsdSkel.Animation(stage.GetPrimAtPath(ANIMATION)).CreateTranslationsAttr()
+    set_samples(stage, "translations", (0, 9.5, 19), moves)
+    stage.GetRootLayer().Save()
+    sparse, back, report = there_and_back(tmp_path / "in.usda", "--tolerance", ".5")
+    assert read(sparse)[0] == read(sparse, "translations")[0]
+    assert read(back)[0] == sorted([*map(float, range(20)), 9.5])
+    assert "different times" in " ".join(report["warnings"])
+    assert report["animations"][0]["rebuilt"]["centimetres"]["largest"] <= 0.5
+
+
+def test_scales_and_blend_shapes_that_change_are_kept_whole(tmp_path, there_and_back):
+    scales = np.ones((20, 3, 3), dtype=np.float16)
+    scales[:, 0, 0] = np.linspace(1.0, 2.0, 20)
+    stage = make_rig(tmp_path / "in.usda", codes=range(20), rotations=random_rotations(20, 3), scales=scales)
+    animation = UsdSkel.Animation(stage.GetPrimAtPath(ANIMATION))
+    animation.CreateBlendShapesAttr(["smile"])
+    animation.CreateBlendShapeWeightsAttr()
+    set_samples(stage, "blendShapeWeights", range(20), np.random.default_rng(0).random((20, 1, 1), dtype=np.float32))
+    stage.GetRootLayer().Save()
+    sparse, back, report = there_and_back(tmp_path / "in.usda", "--rate", ".3", *QUICK)
+    for name in ("scales", "blendShapeWeights"):
+        assert bits(read(sparse, name)[1]) == bits(read(tmp_path / "in.usda", name)[1]) == bits(read(back, name)[1])
+    assert len(read(sparse)[0]) == 6
+    assert report["animations"][0]["kept_whole"] == ["scales", "blendShapeWeights"]
+
+
+def test_what_is_to_stay_stays(clip, there_and_back):
+    for amount in AMOUNTS:
+        sparse, _, _ = there_and_back(clip, *amount, "--keep", "5,6", *QUICK)
+        assert {5.0, 6.0} <= set(read(sparse)[0])
+
+
+def test_several_animations_and_one_of_them(tmp_path, run):
+    stage = make_rig(tmp_path / "in.usda", codes=range(20), rotations=random_rotations(20, 3))
+    other = UsdSkel.Animation.Define(stage, "/Rig/Library")
+    other.CreateJointsAttr(JOINTS)
+    set_samples(stage, "rotations", range(30), random_rotations(30, 3, seed=1), "/Rig/Library")
+    stage.GetRootLayer().Save()
+    assert run("downsample", tmp_path / "in.usda", "-o", tmp_path / "all.usda", "--keys", "5", *QUICK)[0] == 0
+    assert [len(read(tmp_path / "all.usda", prim=prim)[0]) for prim in (ANIMATION, "/Rig/Library")] == [5, 5]
+    arguments = [*QUICK, "--keys", "5", "--prim", "/Rig/Library"]
+    assert run("downsample", tmp_path / "in.usda", "-o", tmp_path / "one.usda", *arguments)[0] == 0
+    assert [len(read(tmp_path / "one.usda", prim=prim)[0]) for prim in (ANIMATION, "/Rig/Library")] == [20, 5]
+
+
+def test_composition_survives_where_the_samples_are_in_the_file_itself(tmp_path, run):
+    (tmp_path / "parts").mkdir()
+    prop = Usd.Stage.CreateNew(str(tmp_path / "parts" / "prop.usda"))
+    prop.SetDefaultPrim(prop.DefinePrim("/Prop", "Xform"))
+    prop.GetRootLayer().Save()
+    stage = make_rig(tmp_path / "in.usda", codes=range(20), rotations=random_rotations(20, 3))
+    prim = stage.DefinePrim("/Rig/Prop")
+    prim.GetReferences().AddReference("./parts/prop.usda")
+    variants = stage.GetPrimAtPath("/Rig").GetVariantSets().AddVariantSet("look")
+    for name in ("red", "blue"):
+        variants.AddVariant(name)
+    variants.SetVariantSelection("red")
+    stage.GetRootLayer().Save()
+    (tmp_path / "far").mkdir()
+    out = tmp_path / "far" / "out.usda"
+    assert run("downsample", tmp_path / "in.usda", "-o", out, "--rate", ".3", *QUICK)[0] == 0
+    written = Usd.Stage.Open(str(out))
+    assert written.GetPrimAtPath("/Rig/Prop").GetTypeName() == "Xform"
+    assert written.GetPrimAtPath("/Rig").GetVariantSets().GetVariantSet("look").GetVariantNames() == ["blue", "red"]
+    assert written.GetCompositionErrors() == []
+    assert len(written.GetUsedLayers(includeClipLayers=False)) == 3  # its session layer, itself and the prop
+
+
+def test_samples_in_other_files_are_flattened(tmp_path, clip, run):
+    over = Usd.Stage.CreateNew(str(tmp_path / "shot.usda"))
+    over.GetRootLayer().subLayerPaths = ["./in.usda"]
+    over.SetTimeCodesPerSecond(24.0)
+    over.GetRootLayer().subLayerOffsets[0] = Sdf.LayerOffset(100.0)
+    over.GetRootLayer().Save()
+    assert run("downsample", tmp_path / "shot.usda", "-o", tmp_path / "out.usda", "--keys", "6", *QUICK)[0] == 0
+    assert Sdf.Layer.FindOrOpen(str(tmp_path / "out.usda")).subLayerPaths == []
+    codes = read(tmp_path / "out.usda")[0]
+    assert len(codes) == 6 and (codes[0], codes[-1]) == (100.0, 139.0)
+    code, _, err = run("downsample", tmp_path / "shot.usda", "--in-place", "--keys", "6", *QUICK)
+    assert code == 1 and "the samples are in files that" in err
+
+
+def test_moved_in_time_it_still_comes_back(tmp_path, clip, run):
+    assert run("downsample", clip, "-o", tmp_path / "sparse.usda", "--keys", "6", *QUICK)[0] == 0
+    shot = Usd.Stage.CreateNew(str(tmp_path / "shot.usda"))
+    shot.SetTimeCodesPerSecond(24.0)
+    shot.GetRootLayer().subLayerPaths = ["./sparse.usda"]
+    shot.GetRootLayer().subLayerOffsets[0] = Sdf.LayerOffset(100.0, 2.0)
+    shot.GetRootLayer().Save()
+    assert run("upsample", tmp_path / "shot.usda", "-o", tmp_path / "back.usda", "--times", "source")[0] == 0
+    assert read(tmp_path / "back.usda")[0] == [100.0 + 2.0 * code for code in range(40)]
+
+
+def test_in_place(clip, run):
+    before = read(clip)[1]
+    assert run("downsample", clip, "--in-place", "--keys", "6", *QUICK)[0] == 0
+    codes, values = read(clip)
+    assert len(codes) == 6 and bits(values) == bits([before[int(code)] for code in codes])
+
+
+@pytest.mark.parametrize("extension", ["usda", "usdc", "usdz"])
+def test_same_input_same_bytes(tmp_path, clip, run, extension):
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+        assert run("downsample", clip, "-o", tmp_path / name / f"out.{extension}", "--tolerance", "1")[0] == 0
+    assert (tmp_path / "a" / f"out.{extension}").read_bytes() == (tmp_path / "b" / f"out.{extension}").read_bytes()
+
+
+def test_scaled_ancestors_and_units(tmp_path, there_and_back):
+    stage = make_rig(tmp_path / "in.usda", codes=range(30), rotations=random_rotations(30, 3, size=0.8))
+    UsdGeom.Xformable(stage.GetPrimAtPath("/Rig")).AddScaleOp().Set(Gf.Vec3f(0.1))
+    stage.GetRootLayer().Save()
+    _, back, report = there_and_back(tmp_path / "in.usda", "--tolerance", ".05", *QUICK)
+    errors = np.linalg.norm(
+        bone_ends(tmp_path / "in.usda", range(30), RIG_ENDS) - bone_ends(back, range(30), RIG_ENDS), axis=-1
+    )
+    assert errors.max() <= 0.05
+    assert errors.max() == pytest.approx(report["animations"][0]["rebuilt"]["centimetres"]["largest"], abs=1e-4)
+
+
+def test_a_hand_full_of_fingers(tmp_path, there_and_back):
+    fingers = [f"hand/f{i}{'/b' * depth}" for i in range(5) for depth in range(4)]
+    joints = ["hand", *fingers]
+    make_rig(tmp_path / "in.usda", codes=range(30), joints=joints, rotations=random_rotations(30, 21, size=0.02))
+    report = there_and_back(tmp_path / "in.usda", "--tolerance", "2")[2]["animations"][0]
+    assert [joint["joint"] for joint in report["joints"]] == joints
+    assert report["kept_samples"] < 30
+
+
+def test_report_and_picture(tmp_path, clip, run):
+    picture = tmp_path / "kept.png"
+    code, out, _ = run("downsample", clip, "-o", tmp_path / "out.usdc", "--tolerance", "1", "--picture", picture, "-v")
+    assert code == 0
+    assert picture.read_bytes().startswith(b"\x89PNG") and picture.stat().st_size > 10_000
+    for words in ("samples kept, 3 joints", "rebuilt by upsample --times source", "played by a viewer", "arm",
+                  "equally spaced samples needs", "out.usdc is written"):  # fmt: skip
+        assert words in out
+
+
+def test_report_counts_bytes(clip, there_and_back):
+    sparse, _, report = there_and_back(clip, "--rate", ".2", out="out.usdc")
+    animation = report["animations"][0]
+    assert report["file_bytes_after"] == sparse.stat().st_size
+    assert animation["bytes_usdc_after"] < animation["bytes_usdc_before"]
+    assert animation["bytes_numpy_before"] > 40 * 3 * 7 * 4
+    uniform = animation["uniform_slerp"]
+    assert uniform["samples"] >= animation["kept_samples"] and uniform["bytes_usdc"] > 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", CLIPS or [pytest.param(None, marks=pytest.mark.skip(f"{DATA} is not there"))],
+                         ids=lambda path: path.stem if path else "none")  # fmt: skip
+def test_real_clips(path, there_and_back):
+    sparse, _, report = there_and_back(path, "--tolerance", "3", out="out.usdc")
+    animation = report["animations"][0]
+    assert animation["rebuilt"]["centimetres"]["largest"] <= 3.0
+    assert animation["kept_samples"] <= 0.6 * animation["uniform_slerp"]["samples"]
+    assert sparse.stat().st_size < path.stat().st_size
+
+
+@pytest.fixture
+def refused(refuse):
+    """Run downsample and check that it is refused politely; give the sentence."""
+    return lambda *arguments, **more: refuse("downsample", *arguments, **more)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--keys", "1"], f"{ANIMATION} cannot be made sparse so: --keys is 1, but 2 of 40 samples must stay"),
+        (["--keys", "41"], f"{ANIMATION} cannot be made sparse so: --keys is 41, but 2 of 40"),
+        (["--keys", "3", "--keep", "5,6"], "--keys is 3, but 4 of 40 samples must stay"),
+        (["--rate", ".3", "--keep", "5.5"], "--keep 5.5 is no time code of a sample"),
+        (["--rate", ".3", "--keep", "source"], "does not say where its source had samples"),
+        (["--rate", ".3", "--prim", "/Nowhere"], "--prim /Nowhere: there is no such prim"),
+        (["--rate", ".3", "--picture", "{}/kept.gif"], "the name must end in .png, .svg, .pdf"),
+        (["--rate", ".3", "--picture", "{}/no/kept.png"], "there is no folder"),
+        (["--rate", ".3", "--report", "{}/in.usda"], "is the input or the output"),
+    ],
+)
+def test_refusals(tmp_path, clip, refused, arguments, sentence):
+    words = [word.format(tmp_path) for word in arguments]
+    assert sentence in refused(clip, "-o", tmp_path / "out.usda", *words)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        [],
+        ["--rate", "1.5"],
+        ["--rate", ".3", "--keys", "4"],
+        ["--tolerance", "0"],
+        ["--tolerance", "1", "--kind", "rot"],
+        ["--rate", ".3", "--select", "uniform", "--keep", "4"],
+    ],
+)
+def test_usage(tmp_path, clip, refused, arguments):
+    refused(clip, "-o", tmp_path / "out.usda", *arguments, exit_code=2)
+
+
+def test_nothing_to_choose_from(tmp_path, refused):
+    make_rig(tmp_path / "in.usda", codes=(0,))
+    sentence = refused(tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--rate", ".3")
+    assert sentence == "in.usda has no skeletal animation with two samples or more to choose from."
+
+
+def test_times_source_needs_a_sparse_file(tmp_path, clip, refuse):
+    sentence = refuse("upsample", clip, "-o", tmp_path / "out.usda", "--times", "source")
+    assert "does not say where its source had samples" in sentence
+
+
+def test_broken_source_time_codes(tmp_path, clip, run, refuse):
+    assert run("downsample", clip, "-o", tmp_path / "sparse.usda", "--keys", "6", *QUICK)[0] == 0
+    stage = Usd.Stage.Open(str(tmp_path / "sparse.usda"))
+    stage.GetPrimAtPath(ANIMATION).GetAttribute("geodesicMetric:sourceTimeCodes").Set(Vt.DoubleArray([3.0, 1.0]))
+    stage.GetRootLayer().Save()
+    sentence = refuse("upsample", tmp_path / "sparse.usda", "-o", tmp_path / "out.usda", "--times", "source")
+    assert "must hold increasing numbers" in sentence
+
+
+def test_summary_is_on_the_skeleton(tmp_path, clip, run):
+    assert run("downsample", clip, "-o", tmp_path / "sparse.usda", "--keys", "6")[0] == 0
+    stage = Usd.Stage.Open(str(tmp_path / "sparse.usda"))
+    summary = stage.GetPrimAtPath(SKELETON).GetAttribute("userProperties:geodesicMetric").Get()
+    assert summary.startswith("geodesic-spline, 3 joints")
