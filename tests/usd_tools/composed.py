@@ -4,7 +4,7 @@ import contextlib
 import io
 from functools import cache
 
-from pxr import Usd, UsdSkel, UsdValidation
+from pxr import Sdf, Usd, UsdSkel, UsdValidation
 
 OURS = ("geodesicMetric:", "userProperties:geodesicMetric")
 CHANNELS = ("rotations", "translations", "scales", "blendShapeWeights")
@@ -42,7 +42,10 @@ def _value(prop):
     if isinstance(prop, Usd.Relationship):
         return prop.GetTargets()
     samples = [(code, repr(prop.Get(code))) for code in prop.GetTimeSamples()]
-    return str(prop.GetTypeName()), repr(prop.Get()), samples, prop.GetConnections()
+    default = prop.Get()
+    if isinstance(default, Sdf.AssetPath):
+        default = default.resolvedPath or default.path
+    return str(prop.GetTypeName()), repr(default), samples, prop.GetConnections()
 
 
 @cache

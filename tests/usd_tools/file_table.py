@@ -5,6 +5,10 @@ from dataclasses import dataclass, field
 LETTERS = {"R": "rotations", "T": "translations", "S": "scales", "W": "blendShapeWeights"}
 
 
+NOTHING = "{} has no skeletal animation."
+NO_CHOICE = "{} has no skeletal animation with two samples or more to choose from."
+
+
 @dataclass(frozen=True)
 class Row:
     """One file.
@@ -19,6 +23,7 @@ class Row:
     upsample: str | None = None
     learn: str | None = None
     compare: str | None = None
+    downsample: str | None = None
     warnings: tuple[str, ...] = ()
 
     @property
@@ -30,12 +35,17 @@ class Row:
 
 def refused(animations, upsample, learn, warnings=()):
     """A row of which no verb makes anything; what learn says, compare says too."""
-    return Row(animations, upsample, learn, learn, warnings)
+    return Row(animations, upsample, learn, learn, NO_CHOICE if animations else NOTHING, warnings)
 
 
 def too_short(animations, learn, warnings=()):
     """A row that can be upsampled, but has too little to learn from."""
-    return Row(animations, None, learn, learn, warnings)
+    return Row(animations, None, learn, learn, None, warnings)
+
+
+def only_weights(animations, learn):
+    """A row with blend shapes only, which are neither learned from nor thinned."""
+    return Row(animations, None, learn, learn, NO_CHOICE)
 
 
 def still(counts):
@@ -59,7 +69,6 @@ def wide(prim, joint, degrees, *spans):
     return tuple(f"{prim}: joint {joint} turns {degrees} degrees from time code {span}; {beyond}" for span in spans)
 
 
-NOTHING = "{} has no skeletal animation."
 NONE_OF_THEM = "{} has no animation to learn from."
 ONE_SEGMENT = "--rate 0.3 keeps 2 of the 5 samples of {name}, which is one segment; say at least 0.6."
 ELEPHANT = {"Elefant/_anim": "R3023 T3023 S", "Elefant_Monochord_Play/_anim": "R3023 T S"}
@@ -118,8 +127,10 @@ TABLE = {
     "usd/needle_CesiumMan.glb.openusd.usdz": Row(
         {"/CesiumMan/Z_UP/Armature/Armature_SkelRoot/Armature/SkelAnim": "R48 T48 S48"}
     ),
-    "usd/openusd_bake_blendshapes.usda": too_short({"/TestPlane/Skel/Anim": "W131"}, unsampled("/TestPlane/Skel/Anim")),
-    "usd/openusd_bake_blendshapesWithNormals.usda": too_short(
+    "usd/openusd_bake_blendshapes.usda": only_weights(
+        {"/TestPlane/Skel/Anim": "W131"}, unsampled("/TestPlane/Skel/Anim")
+    ),
+    "usd/openusd_bake_blendshapesWithNormals.usda": only_weights(
         {"/TestPlane/Skel/Anim": "W9"}, unsampled("/TestPlane/Skel/Anim")
     ),
     "usd/openusd_bake_dqs.usda": Row({"/Root/Skeleton/Animation": "R30 T30 S30"}),
@@ -134,7 +145,7 @@ TABLE = {
         ),
     ),
     "usd/openusd_imaging_arm.usda": too_short({"/Model/Skel/Anim1": "R2 T S"}, few("/Model/Skel/Anim1", 2)),
-    "usd/openusd_imaging_blendshapes.usda": too_short(
+    "usd/openusd_imaging_blendshapes.usda": only_weights(
         {"/TestPlane/Skel/Anim": "W3"}, unsampled("/TestPlane/Skel/Anim")
     ),
     "usd/openusd_imaging_dqs.usda": Row(
@@ -162,7 +173,7 @@ TABLE = {
         {"/World/Rig/Animation": "R2 T2 S2"}, few("/World/Rig/Animation", 2)
     ),
     "usd/tinyusdz_FAIL_usdskel-002.usda": refused({}, NOTHING, NOTHING),
-    "usd/tinyusdz_blendshape-and-animation-test-001.usda": too_short(
+    "usd/tinyusdz_blendshape-and-animation-test-001.usda": only_weights(
         {"/root/Cube/Skel/Anim": "W250"}, unsampled("/root/Cube/Skel/Anim")
     ),
     "usd/tinyusdz_blendshape.usda": refused(

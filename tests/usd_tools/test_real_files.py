@@ -19,8 +19,9 @@ pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason=f"the real files are n
 
 ANIMATED = [name for name, row in TABLE.items() if row.upsample is None]
 TAUGHT = [name for name, row in TABLE.items() if row.learn is None]
-OPTIONS = {"upsample": ["--factor", 2]}
-REFUSED = [(verb, name) for verb in ("upsample", "learn") for name, row in TABLE.items() if getattr(row, verb)]
+OPTIONS = {"upsample": ["--factor", 2], "downsample": ["--rate", 0.3, "--select", "uniform"], "learn": []}
+REFUSED = [(verb, name) for verb in OPTIONS for name, row in TABLE.items() if getattr(row, verb)]
+THINNED = [name for name, row in TABLE.items() if row.downsample is None]
 CLIPS = [name for name in ANIMATED if name.startswith("clips/")] + ["usd/mayausd_HIK_Export.usda"]
 
 
@@ -51,7 +52,7 @@ def test_inspect(name, run, inspected):
 @pytest.mark.parametrize(("verb", "name"), REFUSED)
 def test_refused(tmp_path, verb, name, run):
     words = getattr(TABLE[name], verb)
-    code, out, err = run(verb, DATA / name, "-o", tmp_path / "out.usda", *OPTIONS.get(verb, []))
+    code, out, err = run(verb, DATA / name, "-o", tmp_path / "out.usda", *OPTIONS[verb])
     assert (code, out) == (1, "")
     assert err.splitlines()[-1] == f"error: {sentence(words, DATA / name)}"
     assert list(tmp_path.iterdir()) == []
@@ -89,6 +90,28 @@ def test_learn(tmp_path, name, run):
     for animation in find_animations(stage):
         assert read_metric(animation.prim).joints == read_clip(animation).joints
     assert differences(source, out, written=()) == []
+    assert errors_of(out) <= errors_of(source)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", THINNED)
+def test_downsample(tmp_path, name, run):
+    source = DATA / name
+    # of the same kind as the source: usdc forgets the sign of zeros
+    out = tmp_path / f"out{source.suffix if source.suffix == '.usdc' else '.usda'}"
+    code, text, err = run("downsample", source, "-o", out, *OPTIONS["downsample"])
+    assert (code, err) == (0, "")
+    for count in TABLE[name].samples:
+        assert f": {max(2, round(0.3 * count))} of {count} samples kept" in text
+    stage = Usd.Stage.Open(str(source))
+    for animation in find_animations(stage):
+        for channel in CHANNELS:
+            codes, values = read(source, channel, animation.path)
+            kept_codes, kept = read(out, channel, animation.path)
+            if kept_codes:
+                place = {code: i for i, code in enumerate(codes)}
+                assert bits(kept) == bits([values[place[code]] for code in kept_codes])
+    assert differences(source, out) == []
     assert errors_of(out) <= errors_of(source)
 
 
