@@ -18,12 +18,14 @@ from geomstats_anim import (
     LearnedMetric,
     MetricParameters,
     Skeleton,
+    compress,
     interpolate,
     learn_metric,
+    optimal_keyframes,
     quality,
     uniform_keyframes,
 )
-from geomstats_anim.rotations import Array
+from geomstats_anim.rotations import Array, distance
 from geomstats_anim.tangents import hermite
 from usd_tools.report.looks import FAINT, INK, TRUTH, look
 
@@ -265,18 +267,62 @@ def rates() -> Figure:
     return figure
 
 
+def keys() -> Figure:
+    """Draw the error of the pitching clip by the share of frames kept, uniform or chosen, and where chosen keys are."""
+    animation = clip("pitching")
+    shares = [0.3, 0.2, 0.1, 0.05]
+    score: dict[str, list[float]] = {}
+
+    def add(name: str, scheme: str, kept: np.ndarray, metric: LearnedMetric | None) -> None:
+        rebuilt = interpolate(animation.at_frames(kept), animation.times, scheme, metric)
+        score.setdefault(name, []).append(quality(rebuilt, animation))
+
+    for share in shares:
+        kept = uniform_keyframes(animation.n_frames, share)
+        add("slerp, uniform", "slerp", kept, None)
+        add("slerp, chosen", "slerp", optimal_keyframes(animation, len(kept)), None)
+        metric = learn_metric(animation, kept, scheme="geodesic-spline")
+        add("geodesic-spline, uniform", "geodesic-spline", kept, metric)
+        both = compress([animation], counts=[len(kept)])
+        add("geodesic-spline, chosen", "geodesic-spline", both.keyframes[0], both.metric)
+        if share == 0.1:
+            rows = {"chosen": both.keyframes[0], "uniform": kept}
+    figure = Figure(figsize=(11.0, 4.0), layout="constrained")
+    errors, places = figure.subplots(1, 2, width_ratios=[1.0, 1.2])
+    for name, values in score.items():
+        style = look(name.split(",")[0])
+        line = "-" if name.endswith("chosen") else ":"
+        errors.plot(100.0 * np.array(shares), values, line, color=style.color, marker=style.marker, ms=6, label=name)
+    errors.set(xscale="log", yscale="log", xlabel="frames kept, %", ylabel="Q_hyb")
+    errors.set_xticks([100.0 * share for share in shares], [f"{100.0 * share:g}" for share in shares])
+    errors.minorticks_off()
+    errors.legend(frameon=False, fontsize=9.5)
+    steps = distance(animation.rotations[1:], animation.rotations[:-1]).mean(axis=1)
+    places.fill_between(animation.times[1:], np.degrees(steps) * RATE, color=TRUTH, alpha=0.6, lw=0)
+    low = -0.1 * float(np.degrees(steps).max() * RATE)
+    for row, (name, kept) in enumerate(rows.items()):
+        height = (1.0 + row) * low
+        color = look("geodesic-spline").color if name == "chosen" else FAINT
+        places.plot(animation.times[kept], np.full(len(kept), height), "o", color=color, ms=6)
+        places.text(animation.times[-1] * 1.02, height, name, color=color, va="center")
+    places.set(xlabel="seconds", ylabel="mean angular speed, degrees a second")
+    places.set_yticks([tick for tick in places.get_yticks() if tick >= 0.0 and tick < -10.5 * low])
+    return figure
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
     "geodesics": geodesics,
     "tension": tension,
     "landscape": landscape,
     "rates": rates,
+    "keys": keys,
 }
 
 
 def main(argv: list[str] | None = None) -> int:
     """Draw the figures that are named, or all, and print their paths."""
     parser = argparse.ArgumentParser(prog="make_figures.py", description=__doc__)
-    parser.add_argument("figures", metavar="NAME", nargs="*", choices=[*FIGURES, []], default=[], help="default: all")
+    parser.add_argument("figures", metavar="NAME", nargs="*", choices=list(FIGURES), default=[], help="default: all")
     parser.add_argument("--format", choices=("svg", "png"), default="svg")
     parser.add_argument("-o", "--out", metavar="FOLDER", type=Path, default=_HERE / "images")
     arguments = parser.parse_args(argv)
