@@ -257,6 +257,12 @@ def read_clip(source: AnimationSource) -> SkelClip:
         if absent:
             done = "written from the rest pose" if len(missing) == len(absent) else "not known without a skeleton"
             notes.append(f"{source.path} has no {' and no '.join(absent)}, so viewers show the rest pose; {done}.")
+    own = names_in(source.skeletons[0], "joints") if source.skeletons else ()
+    if own and joints and not set(own) & set(joints):
+        notes.append(
+            f"{source.path} has no joint of {source.skeletons[0].GetPath()}, which it drives, so nothing moves in "
+            f"viewers; {joints[0]} is none of {', '.join(own[:3])}{'' if len(own) <= 3 else ' and others'}."
+        )
     notes += [
         f"{source.path}: {name} come from value clips; samples in the output hide them."
         for name, channel in channels.items()

@@ -18,6 +18,7 @@ from usd_tools.errors import TEMPORARY, Messages, ToolError
 from usd_tools.files import relative_asset_path, written_beside
 from usd_tools.instancing import editable_paths
 from usd_tools.metric_attributes import NAMESPACE, write_metric, write_source_codes, write_summary
+from usd_tools.openusd_gaps import flattened, lost_by_packing, modify_asset_paths
 from usd_tools.skel_reader import AnimationSource
 
 TOOL = "geomstats_anim"
@@ -208,7 +209,7 @@ def save_copy(override: OverrideLayer, source: Path, out: Path, usd_format: str 
                 return path
             return relative_asset_path(Path(here) / package, out.parent) + bracket + inner
 
-        UsdUtils.ModifyAssetPaths(override.layer, moved)
+        modify_asset_paths(override.layer, moved)
     with written_beside(out) as beside:
         _export(override.layer, beside, usd_format)
 
@@ -238,13 +239,11 @@ def _export(layer: Sdf.Layer, path: Path, usd_format: str | None) -> None:
 def _flattened(override: Sdf.Layer, source: Path, folder: Path) -> Sdf.Layer:
     """Everything in one layer, with the files that it needs named as seen from a folder."""
     override.subLayerPaths = [os.path.abspath(source)]
-    layer = Usd.Stage.Open(override).Flatten(addSourceFileComment=False)
+    layer = flattened(Usd.Stage.Open(override))
     for key in override.pseudoRoot.ListInfoKeys():
         if key not in _NOT_COPIED or key == "customLayerData":
             layer.pseudoRoot.SetInfo(key, override.pseudoRoot.GetInfo(key))
-    UsdUtils.ModifyAssetPaths(
-        layer, lambda path: relative_asset_path(Path(path), folder) if os.path.isabs(path) else path
-    )
+    modify_asset_paths(layer, lambda path: relative_asset_path(Path(path), folder) if os.path.isabs(path) else path)
     return layer
 
 
@@ -273,6 +272,12 @@ def _save_package(override: Sdf.Layer, source: Path, out: Path, flatten: bool) -
 def _pack(layer: Sdf.Layer, root: Path, out: Path) -> None:
     """Write a layer to a file, and that with all that it needs to a usdz package."""
     _export(layer, root, None)
+    lost = lost_by_packing(root)
+    if lost is not None:
+        raise ToolError(
+            f"{out.name} cannot be packed: OpenUSD would forget the offset in time of the sublayer {lost}; add "
+            "--flatten, or name a file that is no package."
+        )
     if not UsdUtils.CreateNewUsdzPackage(str(root), str(out)):
         raise ToolError(f"{out.name} cannot be packed; does every file that the source needs exist?")
     try:

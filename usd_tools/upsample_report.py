@@ -13,7 +13,7 @@ from usd_tools.effective_metric import EffectiveMetric
 from usd_tools.errors import Messages
 from usd_tools.metric_attributes import summary
 from usd_tools.resampling import Resampled
-from usd_tools.rotation_steps import largest_step, rotation_steps, wide_steps
+from usd_tools.rotation_steps import WIDE_DEGREES, largest_step, rotation_steps, wide_steps
 from usd_tools.skel_reader import SkelClip
 
 
@@ -42,14 +42,14 @@ def tell(job: Job, verbose: bool, messages: Messages) -> None:
     print(f"{clip.path}: {len(clip.codes)} -> {len(job.codes)} samples, {joints}, {rates}; {how}")
     for sentence in _fallback_sentences(clip, job.result.fallbacks):
         messages.warn(sentence)
+    for sentence in _wide_sentences(clip, verbose):
+        messages.warn(sentence)
     if verbose:
         print(f"  drives {', '.join(str(prim.GetPath()) for prim in clip.source.skeletons) or 'no skeleton'}")
         print(f"  {summary(metric)}")
         for name, channel in clip.channels.items():
             after = len(job.result.channels[name].codes) if name in job.result.channels else len(channel.codes)
             print(f"  {name}: {len(channel.codes)} -> {after} samples")
-        for step in wide_steps(clip, rotation_steps(clip)):
-            messages.warn(f"{clip.path}: {step}; beyond 180 degrees a file cannot tell which way round it went.")
 
 
 def _fallback_sentences(clip: SkelClip, fallbacks: Sequence[Fallback]) -> list[str]:
@@ -62,6 +62,15 @@ def _fallback_sentences(clip: SkelClip, fallbacks: Sequence[Fallback]) -> list[s
         f"{clip.path}: joint {joint} is slerped from time code {', '.join(where)}: {reason}"
         for (joint, reason), where in segments.items()
     ]
+
+
+def _wide_sentences(clip: SkelClip, verbose: bool) -> list[str]:
+    """Name the steps of which a file cannot tell the way: all of them, or the widest."""
+    steps = sorted(wide_steps(clip, rotation_steps(clip)), key=lambda step: -step.degrees)
+    told = steps if verbose else steps[:1]
+    more = f", and {len(steps) - 1} other steps are over {WIDE_DEGREES:g}" if len(steps) > len(told) else ""
+    beyond = "beyond 180 degrees a file cannot tell which way round it went; the shorter way is taken."
+    return [f"{clip.path}: {step}{more}; {beyond}" for step in told]
 
 
 def described(job: Job) -> dict[str, Any]:

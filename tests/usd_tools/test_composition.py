@@ -1,0 +1,213 @@
+"""A shot of references, payloads, variants and sublayers: all of it survives, from any folder, in the same bytes."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from composed import differences, errors_of
+from pxr import Sdf, Usd, UsdGeom, UsdUtils
+from rigs import ANIMATION, bits, make_rig, random_rotations, read, set_samples
+
+VERBS = {"upsample": ["--factor", 2, "--alpha", 3], "downsample": ["--keys", 5], "learn": ["--rate", 0.5]}
+SOME_SLOW = ["upsample", *(pytest.param(verb, marks=pytest.mark.slow) for verb in ("downsample", "learn"))]
+FORMATS = ["out.usda", "out.usdc", "out.usdz", "flat.usda", "flat.usdz"]
+
+
+def make_shot(folder):
+    """Assets in a folder of their own; a weaker layer with an offset; variants; a payload; a texture."""
+    assets = folder / "assets"
+    assets.mkdir(parents=True)
+    (assets / "skin.png").write_bytes(b"png")
+    stage = make_rig(assets / "hero.usda", codes=range(8), rotations=random_rotations(8, 3), rate=30)
+    stage.GetPrimAtPath("/Rig").CreateAttribute("map", Sdf.ValueTypeNames.Asset).Set("./skin.png")
+    stage.Save()
+    prop = Usd.Stage.CreateNew(str(assets / "prop.usdc"))
+    UsdGeom.Cube.Define(prop, "/Prop").CreateSizeAttr().Set(2.0, 5.0)
+    prop.SetDefaultPrim(prop.GetPrimAtPath("/Prop"))
+    prop.Save()
+    weak = Usd.Stage.CreateNew(str(folder / "layout.usda"))
+    weak.SetTimeCodesPerSecond(30)
+    weak.DefinePrim("/Shot/Hero").GetReferences().AddReference("./assets/hero.usda", "/Rig")
+    weak.DefinePrim("/Shot/Prop").GetPayloads().AddPayload("./assets/prop.usdc")
+    hero = weak.GetPrimAtPath("/Shot/Hero")
+    variants = hero.GetVariantSets().AddVariantSet("take")
+    for seed, take in enumerate(("one", "two")):
+        variants.AddVariant(take)
+        variants.SetVariantSelection(take)
+        with variants.GetVariantEditContext():
+            set_samples(weak, "rotations", range(8), random_rotations(8, 3, seed + 7), "/Shot/Hero/Anim")
+    weak.Save()
+    shot = Usd.Stage.CreateNew(str(folder / "shot.usda"))
+    shot.SetMetadata("comment", "shot 1")
+    shot.SetTimeCodesPerSecond(24)
+    shot.SetStartTimeCode(1)
+    shot.SetEndTimeCode(9)
+    UsdGeom.SetStageUpAxis(shot, "Z")
+    shot.GetRootLayer().subLayerPaths.append("./layout.usda")
+    shot.SetDefaultPrim(shot.OverridePrim("/Shot"))
+    shot.Save()
+    return folder / "shot.usda"
+
+
+def call(run, verb, source, out):
+    out.parent.mkdir(exist_ok=True)
+    flat = ["--flatten"] if out.name.startswith("flat") else []
+    code, _, err = run(verb, source, "-o", out, *VERBS[verb], *flat)
+    # OpenUSD's packing says so of every reference in a layer that has payloads too, though it is packed
+    packing = "warning: Failed to resolve reference @1/hero.usda@ "
+    assert code == 0 and all(line.startswith(packing) for line in err.splitlines()), err
+
+
+@pytest.mark.parametrize("name", FORMATS)
+@pytest.mark.parametrize("verb", SOME_SLOW)
+def test_everything_else_survives(tmp_path, run, verb, name):
+    source, out = make_shot(tmp_path / "show"), tmp_path / "work" / name
+    before = {path: path.read_bytes() for path in source.parent.rglob("*") if path.is_file()}
+    call(run, verb, source, out)
+    assert {path: path.read_bytes() for path in source.parent.rglob("*") if path.is_file()} == before
+    found = differences(source, out, written=("rotations", "translations"))
+    # flattening is for files that need no others: arcs are gone, assets of a package are in it
+    is_flat = name.startswith("flat") or verb == "downsample"
+    arcs = {"/Shot/Hero", "/Shot/Hero/Anim", "/Shot/Prop"} if is_flat else set()
+    assert set(found) - arcs <= ({"/Shot/Hero.map"} if name.endswith(".usdz") else set())
+    assert errors_of(out) <= errors_of(source)
+    codes, values = read(source, prim="/Shot/Hero/Anim")
+    new_codes, new_values = read(out, prim="/Shot/Hero/Anim")
+    common = sorted(set(codes) & set(new_codes))
+    assert len(common) == (5 if verb == "downsample" else 8)
+    assert bits([new_values[new_codes.index(c)] for c in common]) == bits([values[codes.index(c)] for c in common])
+    assert bits(values) == bits(list(random_rotations(8, 3, 8)))  # of the variant that is chosen
+
+
+@pytest.mark.parametrize("verb", [SOME_SLOW[0], SOME_SLOW[2]])
+def test_other_variants_and_arcs_can_still_be_chosen(tmp_path, run, verb):
+    source, out = make_shot(tmp_path / "show"), tmp_path / "work" / "out.usda"
+    call(run, verb, source, out)
+    stage = Usd.Stage.Open(str(out))
+    hero = stage.GetPrimAtPath("/Shot/Hero")
+    assert hero.GetVariantSets().GetVariantSelection("take") == "two"
+    assert hero.GetVariantSet("take").GetVariantNames() == ["one", "two"]
+    assert stage.GetPrimAtPath("/Shot/Prop").HasAuthoredPayloads()
+    stage.Unload("/Shot/Prop")
+    assert not stage.GetPrimAtPath("/Shot/Prop").GetAttribute("size").HasAuthoredValue()
+    assert list(Sdf.Layer.FindOrOpen(str(out)).subLayerPaths) == ["../show/shot.usda"]
+
+
+@pytest.mark.parametrize("verb", SOME_SLOW)
+def test_override_works_wherever_both_are_moved(tmp_path, run, verb):
+    source, out = make_shot(tmp_path / "a" / "show"), tmp_path / "a" / "out.usdc"
+    call(run, verb, source, out)
+    expected = read(out, prim="/Shot/Hero/Anim")
+    (tmp_path / "a").rename(tmp_path / "b")
+    moved = tmp_path / "b" / "out.usdc"
+    found = read(moved, prim="/Shot/Hero/Anim")
+    assert (found[0], bits(found[1])) == (expected[0], bits(expected[1]))
+    assert Usd.Stage.Open(str(moved)).GetCompositionErrors() == []
+    assert str(tmp_path).encode() not in moved.read_bytes()
+
+
+@pytest.mark.parametrize("name", ["flat.usda", "flat.usdz", "out.usdz"])
+@pytest.mark.parametrize("verb", SOME_SLOW)
+def test_self_contained(tmp_path, run, verb, name):
+    source, out = make_shot(tmp_path / "show"), tmp_path / "work" / name
+    call(run, verb, source, out)
+    # what is flattened names textures where they are; what is packed has them
+    shutil.rmtree(source.parent) if name.endswith(".usdz") else source.unlink()
+    layers, assets, missing = UsdUtils.ComputeAllDependencies(str(out))
+    assert missing == [] and len(assets) == 1
+    if name.startswith("flat"):
+        assert len(layers) == (1 if name.endswith(".usda") else len(layers))
+        assert not Sdf.Layer.FindOrOpen(str(out)).GetExternalReferences()
+    assert len(read(out, prim="/Shot/Hero/Anim")[0]) == {"upsample": 15, "downsample": 5, "learn": 8}[verb]
+
+
+@pytest.mark.parametrize("name", FORMATS)
+@pytest.mark.parametrize("verb", SOME_SLOW)
+def test_same_input_same_bytes(tmp_path, run, verb, name):
+    contents = []
+    for folder in ("a", "much/longer"):
+        (tmp_path / folder).mkdir(parents=True)
+        source, out = make_shot(tmp_path / folder / "show"), tmp_path / folder / "work" / name
+        call(run, verb, source, out)
+        contents.append(out.read_bytes())
+    assert contents[0] == contents[1]
+
+
+def test_value_clips_that_openusd_stitches(tmp_path, run):
+    """Clips as `UsdUtils.StitchClips` makes them of files of a few frames each, as simulations write them."""
+    make_rig(tmp_path / "asset.usda", codes=(), rotations=[], translations=None)
+    rotations = random_rotations(9, 3)
+    names = []
+    for k in range(3):
+        codes = range(3 * k, 3 * k + 3)
+        take = make_rig(tmp_path / f"take.{k + 1}.usda", codes=codes, rotations=rotations[codes], translations=None)
+        take.SetStartTimeCode(codes[0])
+        take.SetEndTimeCode(codes[-1])
+        take.Save()
+        names.append(str(tmp_path / f"take.{k + 1}.usda"))
+    root = Sdf.Layer.CreateNew(str(tmp_path / "in.usda"))
+    assert UsdUtils.StitchClips(root, names, ANIMATION, 0.0, 8.0, False, "default")
+    stage = Usd.Stage.Open(root)
+    stage.GetPrimAtPath(ANIMATION).GetAttribute("translations").Set([(0, 10, 0)] * 3)
+    stage.SetTimeCodesPerSecond(24)
+    stage.Save()
+    del stage, root
+    codes, values = read(tmp_path / "in.usda")
+    assert set(codes) >= set(range(9))
+    for name in ("out.usda", "flat.usda", "out.usdz"):
+        flat = ["--flatten"] if name.startswith("flat") else []
+        code, _, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / name, "--factor", 2, *flat)
+        assert (code, err) == (
+            0,
+            f"warning: {ANIMATION}: rotations come from value clips; samples in the output hide them.\n",
+        )
+        new_codes, new_values = read(tmp_path / name)
+        assert len(new_codes) > len(codes)
+        place = [new_codes.index(code) for code in range(9)]
+        assert bits([new_values[i] for i in place]) == bits(list(rotations))
+        assert errors_of(tmp_path / name) <= errors_of(tmp_path / "in.usda")
+
+
+def with_offset(folder):
+    """A shot whose own layer has the animation, over a layer at other times."""
+    folder.mkdir()
+    stage = make_rig(folder / "shot.usda", codes=range(8), rotations=random_rotations(8, 3))
+    weak = Usd.Stage.CreateNew(str(folder / "layout.usda"))
+    UsdGeom.Cube.Define(weak, "/Cube").CreateSizeAttr().Set(2.0, 5.0)
+    weak.Save()
+    stage.GetRootLayer().subLayerPaths.append("./layout.usda")
+    stage.GetRootLayer().subLayerOffsets[0] = Sdf.LayerOffset(7.0, 2.0)
+    stage.Save()
+    return folder / "shot.usda"
+
+
+@pytest.mark.parametrize("name", FORMATS)
+@pytest.mark.parametrize("verb", SOME_SLOW)
+def test_offsets_of_sublayers_are_kept_or_refused(tmp_path, run, verb, name):
+    """`UsdUtils.ModifyAssetPaths` and the packing of OpenUSD forget them."""
+    source, out = with_offset(tmp_path / "show"), tmp_path / "work" / name
+    out.parent.mkdir()
+    flat = ["--flatten"] if name.startswith("flat") else []
+    code, _, err = run(verb, source, "-o", out, *VERBS[verb], *flat)
+    if name == "out.usdz" and verb != "downsample":
+        assert (code, err) == (
+            1,
+            "error: out.usdz cannot be packed: OpenUSD would forget the offset in time of the sublayer ./layout.usda "
+            "in shot.usda; add --flatten, or name a file that is no package.\n",
+        )
+        return
+    assert (code, err) == (0, "")
+    stage = Usd.Stage.Open(str(out))
+    assert stage.GetPrimAtPath("/Cube").GetAttribute("size").GetTimeSamples() == [17.0]
+
+
+def test_layers_that_are_nowhere(tmp_path, run):
+    """A missing reference is warned of once, and what is there goes on."""
+    stage = make_rig(tmp_path / "in.usda")
+    stage.DefinePrim("/Rig/Lost").GetReferences().AddReference("./nowhere.usda")
+    stage.Save()
+    code, _, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2)
+    assert code == 0 and err.count("\n") == 1 and "nowhere.usda" in err
+    assert str(Path(tmp_path).resolve()) not in (tmp_path / "out.usda").read_text()
+    np.testing.assert_array_equal(read(tmp_path / "out.usda")[0], np.arange(7) / 2)
