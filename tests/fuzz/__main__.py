@@ -12,14 +12,15 @@ import argparse
 import os
 import re
 import sys
+import tempfile
 import time
 from collections import Counter
 from pathlib import Path
 
-os.environ.setdefault("PXR_WORK_THREAD_LIMIT", "1")  # files are small, and the workers many
-os.environ.setdefault("NUMBA_NUM_THREADS", "1")
+for name in ("PXR_WORK_THREAD_LIMIT", "NUMBA_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ[name] = "1"  # a process with threads must not fork
 
-from tests.fuzz.trial import Outcome, Trial, Trials  # noqa: E402
+from tests.fuzz.trial import Outcome, Trial, Trials, warm_up  # noqa: E402
 from tests.fuzz.workers import run  # noqa: E402
 
 
@@ -39,6 +40,8 @@ def main() -> int:
         print(trial.command)
         return 0
     counts, sentences, bad = Counter[tuple[str, str]](), Counter[str](), []
+    with tempfile.TemporaryDirectory() as folder:
+        warm_up(Path(folder))
     start = time.monotonic()
 
     def told(trial: Trial, outcome: Outcome) -> None:

@@ -80,6 +80,16 @@ class Trials:
         return Trial(number, suffix, data, verb, random.choice(FROM_BVH if suffix == ".bvh" else COMMANDS[verb]))
 
 
+def warm_up(folder: Path) -> None:
+    """Run every command on good files, for what is compiled or loaded at first must not be taken for a hang."""
+    good = seeds()
+    for verb, several in {**COMMANDS, "from_bvh": FROM_BVH}.items():
+        suffix = ".bvh" if verb == "from_bvh" else ".usda"
+        for number, data in enumerate(good[suffix]):
+            for options in several if verb in VERBS else ():
+                perform(Trial(number, suffix, data, verb, options), folder)
+
+
 @dataclass(frozen=True)
 class Outcome:
     """What came of a trial: "accepted", "refused" with a sentence, or "failed" with what is wrong."""

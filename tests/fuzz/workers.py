@@ -80,6 +80,7 @@ def run(trials: Trials, numbers: list[int], n_workers: int, told: Callable[[Tria
     told : callable
         Told of each outcome.
     """
+    assert len(os.listdir("/proc/self/task")) == 1, "a process with threads must not fork"
     waiting = [numbers[k : k + RECYCLED] for k in range(0, len(numbers), RECYCLED)][::-1]
     workers: dict[int, _Worker] = {}
     while waiting or workers:
