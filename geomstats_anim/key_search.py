@@ -26,8 +26,11 @@ _REMOVE_STRIDE, _REMOVE_REACH = 8, 3
 _MOVES = (-1, 1, -2, 2, -4, 4)
 """Frames by which a key is moved."""
 
-_ROUNDS = 8
-"""Most passes over all keys."""
+_ROUNDS, _FEW_ROUNDS = 8, 2
+"""Most passes over all keys; few where keys are removed in between."""
+
+_WORTHWHILE = 0.98
+"""Share of the keys that must be left for another round of moving and removing to be made; for few keys, all but one."""
 
 _LEAST_GAIN = 1e-3
 """Share of the cost that another pass over all keys must have gained."""
@@ -77,7 +80,7 @@ def judge_of(
     return judge
 
 
-def moved(judge: Judge, keys: np.ndarray, fixed: np.ndarray) -> np.ndarray:
+def moved(judge: Judge, keys: np.ndarray, fixed: np.ndarray, rounds: int = _ROUNDS) -> np.ndarray:
     """Move keys, where that makes the sum of costs less.
 
     Parameters
@@ -86,13 +89,16 @@ def moved(judge: Judge, keys: np.ndarray, fixed: np.ndarray) -> np.ndarray:
     keys : array-like of int, shape=[K]
     fixed : array-like of int
         Keys that stay, the first and the last among them.
+    rounds : int
+        Most passes over all keys.
+        Optional, default: enough.
 
     Returns
     -------
     keys : array-like of int, shape=[K]
     """
     cost = judge(keys)
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
         before = cost.sum()
         for phase in range(_MOVE_STRIDE):
             for move in _MOVES:
@@ -148,9 +154,9 @@ def thinned(judge: Judge, keys: np.ndarray, fixed: np.ndarray) -> np.ndarray:
     """Add keys until every frame costs no more than 1, then move and remove as many as can be; see `moved`."""
     keys = with_needed(judge, keys)
     while True:
-        fewer = without_needless(judge, moved(judge, keys, fixed), fixed)
-        if len(fewer) == len(keys):
-            return keys
+        fewer = without_needless(judge, moved(judge, keys, fixed, _FEW_ROUNDS), fixed)
+        if len(fewer) >= _WORTHWHILE * len(keys):
+            return fewer
         keys = fewer
 
 

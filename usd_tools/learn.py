@@ -147,9 +147,9 @@ def _learn_json(args: argparse.Namespace, messages: Messages) -> int:
         with Progress(len(files), "Reading") as progress:
             takes, skipped = gather(files, args.prim, args.skip_mismatched, messages, progress.advance)
         lesson = _teach(args, takes, messages)
-    learn_report.tell(lesson, args.verbose, messages)
     with written_beside(args.out) as beside:
         beside.write_text(lesson.metric.to_json(), encoding="utf-8")
+    learn_report.tell(lesson, args.verbose, messages)
     print(f"{args.out} is written; use it with: python -m usd_tools.upsample IN -o OUT --factor 4 --metric {args.out}")
     _report(args, args.out.name, [lesson], skipped, messages)
     return 0
@@ -173,11 +173,10 @@ def _learn_usd(args: argparse.Namespace, messages: Messages) -> int:
             raise ToolError(
                 f"A folder holds one search, but {path} has {len(taken)} animations; choose one with --prim."
             )
-        lessons = []
-        for _, take in taken:
-            lessons.append(_teach(args, [take], messages))
-            learn_report.tell(lessons[-1], args.verbose, messages)
+        lessons = [_teach(args, [take], messages) for _, take in taken]
         _write(args, target, stage, [clip for clip, _ in taken], lessons, messages)
+        for lesson in lessons:
+            learn_report.tell(lesson, args.verbose, messages)
     print(f"{target.path} is written: a metric, and every sample as it was; usd_tools.upsample finds the metric there.")
     _report(args, target.path.name, lessons, skipped, messages)
     return 0

@@ -66,10 +66,9 @@ def conclusion(lesson: Lesson) -> str:
                 f"A tie with {plain}: cross-validation found nothing that is sure to predict unseen frames better, so "
                 f"{kept}."
             )
-        better = f"{100.0 * unseen.gain:.1f} % better than {unseen.rival}"
         tie = ", which is a tie" if unseen.ties else ""
         loses = " It loses in the rows that say so: do not rely on it there." if lesson.loses else ""
-        return f"Cross-validated: predicts blocks of frames left out {better}{tie}.{loses}"
+        return f"Cross-validated: predicts blocks of frames left out {unseen.beside_rival}{tie}.{loses}"
     if lesson.is_plain:
         return f"A tie with {plain}: no metric rebuilds {one} better, so {kept}."
     if lesson.loses:

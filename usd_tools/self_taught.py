@@ -63,7 +63,6 @@ def taught_by_itself(path: Path, clip: SkelClip, scheme: str | None, messages: M
         unseen = lesson.cross_validated
         assert unseen is not None
         tie = ", which is a tie" if unseen.ties else ""
-        better = f"{100.0 * unseen.gain:.1f} % better than by {unseen.rival}"
-        gained = f"the others are predicted {better} (cross-validated){tie}"
+        gained = f"the others are predicted, cross-validated, {unseen.beside_rival}{tie}"
     print(f"{clip.path}: learned from every other sample; {gained}.")
     return lesson.metric

@@ -25,7 +25,7 @@ from usd_tools.output import Output
 from usd_tools.progress import Progress
 from usd_tools.resampling import Resampled, at_rate, resample, subdivided, with_codes
 from usd_tools.skel_reader import AnimationSource, SkelClip, find_animations, read_clip
-from usd_tools.style_controls import Style, parse_style
+from usd_tools.style_controls import DEFAULT_SCHEME, Style, parse_style
 from usd_tools.time_codes import TimeCodes
 from usd_tools.upsample_report import Job, described, tell, usual_rate
 
@@ -55,7 +55,7 @@ def parser() -> argparse.ArgumentParser:
     parse.add_argument("--retime", action="store_true", help="with --fps: F time codes a second, so that samples are "
                        "whole frames; the motion keeps its speed")  # fmt: skip
     parse.add_argument(
-        "--scheme", choices=list(SCHEMES), help="default: the one the metric was made for, else geodesic"
+        "--scheme", choices=list(SCHEMES), help=f"default: the one the metric was made for, else {DEFAULT_SCHEME}"
     )
     parse.add_argument(
         "--metric",
@@ -112,10 +112,10 @@ def upsample(args: argparse.Namespace) -> int:
         targets = [_target_codes(args, clip, messages) for clip in clips]
         results = _resample_all(clips, targets, metrics)
         jobs = [Job(*parts) for parts in zip(clips, targets, metrics, results, strict=True)]
-        for job in jobs:
-            tell(job, args.verbose, messages)
         if not args.dry_run:
             _write(args, target, stage, jobs, messages)
+        for job in jobs:
+            tell(job, args.verbose, messages)
     _tell_playback(args, target, stage)
     if args.report is not None:
         write_json(args.report, _report(args, target, stage, jobs, messages))

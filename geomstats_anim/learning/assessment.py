@@ -56,6 +56,11 @@ class Score:
         return "slerp" if self.slerp <= self.plain + _PERFECT else "the plain spline"
 
     @property
+    def beside_rival(self) -> str:
+        """How it compares with the rival, in words."""
+        return f"{100.0 * abs(self.gain):.1f} % {'better' if self.gain >= 0.0 else 'worse'} than {self.rival}"
+
+    @property
     def gain(self) -> float:
         """Share of the rival's error that is saved; negative where it loses."""
         least = min(self.slerp, self.plain)

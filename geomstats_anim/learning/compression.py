@@ -22,7 +22,7 @@ _ROUNDS = 3
 """Most times that a metric is learned for new keys, and keys are moved under it."""
 
 _LEAST_GAIN = 0.01
-"""Share of the error that a round must have gained to be followed by another."""
+"""Share of the error that moving keys must have gained for the metric to be learned again for them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,14 +186,13 @@ def _uniform(problems: Sequence[KeyProblem], plain: LearnedMetric, fit: Fit) -> 
 
 def _best(problems: Sequence[KeyProblem], start: list[np.ndarray], plain: LearnedMetric, fit: Fit) -> Compressed:
     """Keep the number of keys, and make the error least."""
-    kept, metric, before = start, plain, np.inf
+    kept, metric = start, plain
     for _ in range(_ROUNDS):
         metric = min((metric, fit(kept) or metric), key=lambda each: _cost(problems, kept, each))
+        before = _cost(problems, kept, metric)
         kept = _refined(problems, kept, metric)
-        now = _cost(problems, kept, metric)
-        if now >= (1.0 - _LEAST_GAIN) * before:
+        if _cost(problems, kept, metric) >= (1.0 - _LEAST_GAIN) * before:
             break
-        before = now
     return Compressed(tuple(kept), metric)
 
 

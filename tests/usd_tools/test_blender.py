@@ -110,3 +110,17 @@ def test_bvh_to_blender_to_usd_to_upsample_to_blender(tmp_path, run, bvh, retime
     assert quat.distance(quaternions(theirs), quaternions(ours)).max() < 1e-4
     (skeleton,) = clip.source.skeletons
     assert json.loads(str(shown["properties"]))[NAMESPACE] == skeleton.GetAttribute(SUMMARY).Get()
+
+
+def test_downsampled_to_blender_and_back(tmp_path, run, bvh):
+    for verb in (
+        ["from_bvh", bvh, "-o", tmp_path / "in.usda"],
+        ["downsample", tmp_path / "in.usda", "-o", tmp_path / "sparse.usda", "--rate", 0.3],
+        ["upsample", tmp_path / "sparse.usda", "-o", tmp_path / "back.usda", "--times", "source"],
+    ):
+        assert run(*verb)[0] == 0
+    for name in ("sparse.usda", "back.usda"):
+        shown, clip = in_blender(tmp_path, tmp_path / name)
+        check_shown(shown, clip)
+        (skeleton,) = clip.source.skeletons
+        assert json.loads(str(shown["properties"]))[NAMESPACE] == skeleton.GetAttribute(SUMMARY).Get()
