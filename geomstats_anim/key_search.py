@@ -30,7 +30,7 @@ _ROUNDS, _FEW_ROUNDS = 8, 2
 """Most passes over all keys; few where keys are removed in between."""
 
 _WORTHWHILE = 0.98
-"""Share of the keys that must be left for another round of moving and removing to be made; for few keys, all but one."""
+"""Share of the keys: another round of moving and removing is made while one leaves fewer."""
 
 _LEAST_GAIN = 1e-3
 """Share of the cost that another pass over all keys must have gained."""
