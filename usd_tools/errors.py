@@ -48,7 +48,7 @@ def _one_line(diagnostic: Any) -> str:
     # Addresses in memory and temporary folders differ from run to run, and say nothing to a user.
     meaningless = (
         r"\(instantiating stage on stage .*?>\)|<0x[0-9a-f]+>|pxrInternal_\w+?__(pxrReserved___)?(::)?"
-        rf"|/[^@\s]*/{TEMPORARY}\w+/"
+        rf"|/[^@\s]*/{TEMPORARY}\w+/|/\.[^/@\s]+\.\w{{8}}(?=/)"
     )
     line = " ".join(re.sub(meaningless, "", text).split())
     return line if len(line) <= LONGEST else f"{line[:LONGEST]}..."

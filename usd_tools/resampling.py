@@ -48,14 +48,16 @@ def with_codes(clip: SkelClip, codes: np.ndarray, spacing: float | None = None) 
         Those outside the range of the clip, or within a step, are left out.
     spacing : float
         Usual distance of the codes.
-        Optional, default: the usual distance of the clip's samples.
+        Optional, default: that of the clip's samples or of the codes, whichever is less.
 
     Returns
     -------
     codes : array-like, shape=[F']
     """
     keys = clip.codes
-    spacing = float(np.median(np.diff(keys))) if spacing is None else spacing
+    if spacing is None:
+        gaps = [np.diff(some) for some in (keys, np.unique(codes)) if len(some) > 1]
+        spacing = min((float(np.median(each)) for each in gaps if len(each)), default=0.0)
     codes = np.unique(codes[(codes > keys[0]) & (codes < keys[-1])])
     segment = np.searchsorted(keys, codes, side="right") - 1
     far = np.minimum(codes - keys[segment], keys[segment + 1] - codes) > SNAP * spacing

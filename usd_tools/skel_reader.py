@@ -230,6 +230,9 @@ def read_clip(source: AnimationSource) -> SkelClip:
         # USD holds weights whose number changes; they cannot be interpolated, but need not keep the joints from it.
         notes.append(f"{str(error).removesuffix('; repair the file.')}; the weights are left as they are.")
 
+    rate = stage.GetTimeCodesPerSecond()
+    for channel in channels.values():
+        _check_times(source.path, channel.codes, rate)
     units = UsdGeom.GetStageMetersPerUnit(stage)
     first_code = min((channel.codes[0] for channel in channels.values() if len(channel.codes)), default=None)
     scales = [_world_scale(skeleton, first_code) * units for skeleton in source.skeletons] or [units]
@@ -276,9 +279,23 @@ def read_clip(source: AnimationSource) -> SkelClip:
         channels,
         missing,
         scales[0],
-        stage.GetTimeCodesPerSecond(),
+        rate,
         tuple(notes),
     )
+
+
+def _check_times(path: str, codes: np.ndarray, rate: float) -> None:
+    """Refuse times that cannot be computed with."""
+    if not (np.isfinite(rate) and rate > 0.0):
+        raise ToolError(f"{path}: there are {rate:g} time codes a second on its stage; correct timeCodesPerSecond.")
+    with np.errstate(all="ignore"):
+        seconds = codes / rate
+        bad = ~np.isfinite(seconds) | ~(np.diff(seconds, prepend=-np.inf) > 0.0)
+    if bad.any():
+        raise ToolError(
+            f"{path}: time code {codes[bad][0]:g}, at {rate:g} a second, is no time after the sample before; repair "
+            "the file."
+        )
 
 
 def names_in(prim: Usd.Prim, name: str) -> tuple[str, ...]:
@@ -370,7 +387,7 @@ def _parents_first(parents: np.ndarray) -> np.ndarray:
 def _rest_pose(skeleton: UsdSkel.Skeleton, n_joints: int) -> tuple[np.ndarray, np.ndarray] | None:
     """Rest translations in the file's units and rest rotations, or None where they are not authored or singular."""
     transforms = skeleton.GetRestTransformsAttr().Get()
-    if transforms is None or len(transforms) != n_joints:
+    if not isinstance(transforms, Vt.Matrix4dArray) or len(transforms) != n_joints:
         return None
     try:
         translations, rotations, _ = UsdSkel.DecomposeTransforms(transforms)
@@ -384,8 +401,8 @@ def _rest_pose(skeleton: UsdSkel.Skeleton, n_joints: int) -> tuple[np.ndarray, n
 def _bone_lengths(skeleton: UsdSkel.Skeleton, n_joints: int) -> list[float]:
     """Bone lengths that Blender writes, in the file's units; empty where there are none."""
     primvar = UsdGeom.PrimvarsAPI(skeleton).GetPrimvar("blender:bone_lengths")
-    lengths = list(primvar.Get() or ()) if primvar else []
-    return lengths if len(lengths) == n_joints else []
+    lengths = primvar.Get() if primvar else None
+    return list(lengths) if isinstance(lengths, Vt.FloatArray | Vt.DoubleArray) and len(lengths) == n_joints else []
 
 
 def _bone_ends(skeleton: UsdSkel.Skeleton, n_joints: int) -> np.ndarray | None:

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Usd, UsdUtils
+from pxr import Sdf, Tf, Usd, UsdUtils
 
 from geomstats_anim import LearnedMetric, __version__
 from usd_tools.channels import CHANNELS, Channel
-from usd_tools.errors import TEMPORARY, Messages, ToolError
+from usd_tools.errors import TEMPORARY, Messages, ToolError, commentary
 from usd_tools.files import relative_asset_path, written_beside
 from usd_tools.instancing import editable_paths
 from usd_tools.metric_attributes import NAMESPACE, write_metric, write_source_codes, write_summary
@@ -174,7 +174,7 @@ def save(
             layer = _flattened(override.layer, source, out.parent) if flatten else override.layer
             if not flatten:
                 layer.subLayerPaths = [relative_asset_path(source, out.parent)]
-            _export(layer, beside, usd_format)
+            _export(layer, beside, usd_format, check=flatten)
 
 
 def save_in_place(override: OverrideLayer, source: Path) -> None:
@@ -188,7 +188,8 @@ def save_in_place(override: OverrideLayer, source: Path) -> None:
     with open(source, "rb") as file:
         is_binary = file.read(8) == b"PXR-USDC"
     with written_beside(source) as beside:
-        _export(override.layer, beside, ("usdc" if is_binary else "usda") if source.suffix == ".usd" else None)
+        usd_format = ("usdc" if is_binary else "usda") if source.suffix == ".usd" else None
+        _export(override.layer, beside, usd_format, check=True)
 
 
 def save_copy(override: OverrideLayer, source: Path, out: Path, usd_format: str | None = None) -> None:
@@ -211,7 +212,7 @@ def save_copy(override: OverrideLayer, source: Path, out: Path, usd_format: str 
 
         modify_asset_paths(override.layer, moved)
     with written_beside(out) as beside:
-        _export(override.layer, beside, usd_format)
+        _export(override.layer, beside, usd_format, check=True)
 
 
 def save_layer(layer: Sdf.Layer, out: Path, usd_format: str | None = None) -> None:
@@ -230,10 +231,16 @@ def save_layer(layer: Sdf.Layer, out: Path, usd_format: str | None = None) -> No
             _export(layer, beside, usd_format)
 
 
-def _export(layer: Sdf.Layer, path: Path, usd_format: str | None) -> None:
+def _export(layer: Sdf.Layer, path: Path, usd_format: str | None, check: bool = False) -> None:
+    """Write a layer; check what has others' content, for OpenUSD writes of damaged files what it cannot read."""
     arguments = {"format": usd_format or "usdc"} if path.suffix == ".usd" else {}
     if not layer.Export(str(path), args=arguments):
         raise ToolError(f"{path.name} cannot be written; is there room on the disk?")
+    if check:
+        try:
+            Sdf.Layer.OpenAsAnonymous(str(path))
+        except Tf.ErrorException as error:
+            raise ToolError(f"{path.name} could not be read again: {commentary(error).rstrip('.')}.") from error
 
 
 def _flattened(override: Sdf.Layer, source: Path, folder: Path) -> Sdf.Layer:

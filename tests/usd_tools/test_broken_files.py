@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from pxr import Sdf, UsdUtils
-from rigs import make_rig
+from rigs import ANIMATION, make_rig
 
 ROOT = Path(__file__).resolve().parents[2]
 VERBS = {"inspect": [], "upsample": ["--factor", 2], "learn": []}
@@ -51,10 +51,71 @@ def test_package_with_a_wrong_checksum(tmp_path, refuse):
     assert sentence == "in.usdz is broken: Bad CRC-32 for file 'in.usda'; pack it again."
 
 
-@pytest.mark.parametrize("inputs", [300, pytest.param(10_000, marks=pytest.mark.slow)])
+def test_rest_pose_of_an_unknown_type(tmp_path, run):
+    make_rig(tmp_path / "in.usda")
+    text = (tmp_path / "in.usda").read_text()
+    (tmp_path / "in.usda").write_text(text.replace("matrix4d[] restTransforms", "rotten[] restTransforms"))
+    assert run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2)[0] == 0
+
+
+def test_output_that_openusd_cannot_read_again(tmp_path, refuse, monkeypatch):
+    """A damaged usdc may hold what usda cannot spell."""
+    make_rig(tmp_path / "in.usda")
+    export = Sdf.Layer.Export
+
+    def damaged(layer, path, **rest):
+        done = export(layer, path, **rest)
+        Path(path).write_text(Path(path).read_text() + "}")
+        return done
+
+    monkeypatch.setattr(Sdf.Layer, "Export", damaged)
+    sentence = refuse("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2, "--flatten")
+    assert sentence.startswith("out.usda could not be read again: out.usda:")
+
+
+@pytest.mark.parametrize("inputs", [200, pytest.param(10_000, marks=pytest.mark.slow)])
 def test_thousands_of_broken_files(inputs):
     """Never a traceback, a hang, a file left behind or a changed input; what OpenUSD itself dies of is told apart."""
     command = [sys.executable, "-m", "tests.fuzz", "--inputs", str(inputs)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, errors="replace")
     print(done.stdout)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        (
+            "timeCodesPerSecond = 24",
+            "timeCodesPerSecond = 0",
+            f"{ANIMATION}: there are 0 time codes a second on its stage",
+        ),
+        (
+            "timeCodesPerSecond = 24",
+            "timeCodesPerSecond = -24",
+            f"{ANIMATION}: there are -24 time codes a second on its",
+        ),
+        (
+            "timeCodesPerSecond = 24",
+            "timeCodesPerSecond = 1e-320",
+            f"{ANIMATION}: time code 1, at 9.99989e-321 a second, is",
+        ),
+        (
+            "            3: [(",
+            "            inf: [(",
+            f"{ANIMATION}: time code inf, at 24 a second, is no time after the",
+        ),
+        (
+            "            3: [(",
+            "            1e308: [(",
+            f"{ANIMATION} cannot be interpolated: rotations has a value that is",
+        ),
+    ],
+)
+def test_times_that_cannot_be_computed_with(tmp_path, refuse, old, new, sentence):
+    make_rig(tmp_path / "in.usda")
+    text = (tmp_path / "in.usda").read_text()
+    assert old in text
+    (tmp_path / "in.usda").write_text(text.replace(old, new))
+    found = refuse("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2)
+    assert found.startswith(sentence)
