@@ -130,7 +130,12 @@ def read_channel(prim: Usd.Prim, name: str, size: int) -> Channel | None:
         If a value has another size, or a number in it is not finite.
     """
     kind, attribute = CHANNELS[name], prim.GetAttribute(name)
-    codes, raw, source = _samples(attribute)
+    try:
+        codes, raw, source = _samples(attribute)
+    except TypeError as error:  # of a damaged file OpenUSD may give what Python has no type for
+        raise ToolError(
+            f"{prim.GetPath()}: {name} has a value that is none of an attribute; repair the file."
+        ) from error
     values: np.ndarray = np.zeros((len(codes), size, kind.width), dtype=kind.dtype)
     blocked = np.zeros(len(codes), dtype=bool)
     for k, value in enumerate(raw):
@@ -165,7 +170,8 @@ def _samples(attribute: Usd.Attribute) -> tuple[list[float], list[Any], str]:
     for spec, offset in attribute.GetPropertyStackWithLayerOffsets(Usd.TimeCode.Default()):
         own = spec.layer.ListTimeSamplesForPath(spec.path)
         if own:
-            pairs = sorted((offset * code, spec.layer.QueryTimeSample(spec.path, code)) for code in own)
+            pairs = [(offset * code, spec.layer.QueryTimeSample(spec.path, code)) for code in own]
+            pairs.sort(key=lambda pair: pair[0])
             return [code for code, _ in pairs], [value for _, value in pairs], spec.layer.GetDisplayName()
     raise ToolError(f"{attribute.GetPath()}: USD lists samples, but no layer has them; flatten the file first.")
 
