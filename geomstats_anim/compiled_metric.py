@@ -207,9 +207,10 @@ class CompiledMetric(RiemannianMetric):
                 raise ValueError("Give a direction or an end_point to transport along.")
             direction = self.log(end_point, base_point)
         base = self._read_points(base_point, "base_point")
-        velocity, vector = np.broadcast_arrays(
-            self._read_velocity(direction, base, "direction"), self._read_velocity(tangent_vec, base, "tangent_vec")
-        )
+        velocity = self._read_velocity(direction, base, "direction")
+        vector = self._read_velocity(tangent_vec, base, "tangent_vec")
+        shape = np.broadcast_shapes(velocity.shape, vector.shape)
+        velocity, vector = np.broadcast_to(velocity, shape), np.broadcast_to(vector, shape)
         batch, n_joints, is_right = velocity.shape[:-2], velocity.shape[-2], self.parameters.is_right[:, None]
         n = math.prod(batch)
 
