@@ -2,19 +2,22 @@
 
     python benchmarks/bench_scale.py
 
-Each command runs in a process of its own; of the imports alone, time and memory are taken off before sizes are
-compared. Twice the size should be twice as much: exponent 1.
+Each command runs in a process of its own. What the imports alone take is taken off before sizes are compared. Seconds
+are the processor's, of all cores, so that others on the machine do no harm. Twice the size should be twice as much:
+exponent 1.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
+import subprocess
 import sys
 import tempfile
 from math import log2
 from pathlib import Path
 
-from bench_usd import IMPORTS, make_elsewhere, measure
+from bench_usd import IMPORTS, ROOT, make_elsewhere
 
 SIZES = ((20_000, 70, "samples"), (300, 2_000, "joints"))
 """Samples, joints, and which of them is halved."""
@@ -38,11 +41,11 @@ def main() -> None:
     parse.add_argument("--shrink", type=int, default=1, metavar="N", help="sizes divided by N, for a quick look")
     parse.add_argument("--only", choices=list(COMMANDS), action="append", help="this command; repeatable")
     args = parse.parse_args()
-    title = "seconds and peak MiB beyond imports, at half and full size"
+    title = "processor seconds and peak MiB beyond imports, at half and full size"
     table = Table(
         "command", "samples x joints", "half", "full", "exponent", "half MiB", "full MiB", "exponent", title=title
     )
-    base_seconds, base_memory = measure(IMPORTS, runs=3)
+    base_seconds, base_memory = _measure(IMPORTS)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         warm, out = folder / "warm.usdc", folder / "out.usdc"
@@ -76,7 +79,17 @@ def main() -> None:
 
 def _run(command: str, clip: Path, out: Path) -> tuple[float, float]:
     verb, *words = command.format(clip=clip, out=out).split()
-    return measure(["-m", f"usd_tools.{verb}", *words], runs=1)
+    return _measure(["-m", f"usd_tools.{verb}", *words])
+
+
+def _measure(arguments: list[str]) -> tuple[float, float]:
+    """Processor seconds and peak MiB of a run of Python."""
+    process = subprocess.Popen([sys.executable, *arguments], cwd=ROOT, stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        raise SystemExit(f"{' '.join(arguments)} ended with exit code {process.returncode}.")
+    return usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024.0
 
 
 if __name__ == "__main__":

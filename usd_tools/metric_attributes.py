@@ -139,7 +139,8 @@ def read_metric(prim: Usd.Prim) -> LearnedMetric | None:
             )
     axes = values["axes"]
     try:
-        entries = _from_usd(dict(prim.GetCustomDataByKey(NAMESPACE) or {}))
+        stored = prim.GetCustomDataByKey(NAMESPACE)
+        entries = _from_usd(stored if isinstance(stored, Mapping) else {})
         quality = str(entries.pop("quality", ""))
         parameters = MetricParameters(
             np.array(values["alpha"]),

@@ -11,6 +11,7 @@ import numpy as np
 from geomstats_anim import SCHEMES, Animation, LearnedMetric
 from geomstats_anim.curves import Curve, Fallback
 from usd_tools.channels import Channel
+from usd_tools.errors import ToolError
 from usd_tools.skel_reader import JOINT_CHANNELS, SkelClip
 
 CHUNK = 1 << 18
@@ -128,6 +129,11 @@ def resample(
     Returns
     -------
     resampled : Resampled
+
+    Raises
+    ------
+    ToolError
+        If numbers are beyond what can be computed with.
     """
     if metric is not None:
         metric, _ = metric.for_joints(clip.skeleton.joints)
@@ -141,10 +147,13 @@ def resample(
                 _fill_linearly(animated[names[0]], span, filled[names[0]])
                 advance(1.0 / n_spans)
                 continue
-            curve = SCHEMES[scheme](clip.keys(names, span), metric)
-            fallbacks += curve.fallbacks
-            for share in _fill(clip, names, span, curve, filled):
-                advance(share * len(names) / n_spans)
+            try:
+                curve = SCHEMES[scheme](clip.keys(names, span), metric)
+                fallbacks += curve.fallbacks
+                for share in _fill(clip, names, span, curve, filled):
+                    advance(share * len(names) / n_spans)
+            except ValueError as error:
+                raise ToolError(f"{clip.path} cannot be interpolated: {error}") from error
     return Resampled(filled, tuple(fallbacks))
 
 
@@ -162,7 +171,9 @@ def animation_of(clip: SkelClip) -> Animation:
     -------
     animation : Animation
     """
-    aligned = resample(clip, clip.codes, "slerp").channels
+    animated = {name: channel for name, channel in clip.channels.items() if channel.is_animated}
+    same = all(np.array_equal(channel.codes, clip.codes) for channel in animated.values())
+    aligned = animated if same else resample(clip, clip.codes, "slerp").channels
     live = [channel.codes[~channel.blocked] for channel in aligned.values()]
     codes = reduce(np.intersect1d, live)
     channels = {name: _at(channel, codes) for name, channel in aligned.items()}
