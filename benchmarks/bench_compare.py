@@ -36,6 +36,8 @@ NAMES = ("jumping", "pitching", "punching", "rolling", "sitting")
 OURS, SPD = "geodesic-spline", "geodesic:spd"
 PEERS = ("slerp", "squad", "rotation-spline")
 SECONDS_BAR, ONE_CLIP_BAR = 300.0, 60.0
+TIE = 1.0 + 1e-6
+"""Between two keys of the same pose all schemes agree, but for rounding: nobody wins there."""
 
 Cell = tuple[str, float]
 Quality = Mapping[str, Mapping[Cell, float]]
@@ -109,7 +111,7 @@ def in_sample(q: Quality, cells: Sequence[Cell]) -> list[Line]:
     """Lines of what is fitted to the clip that it rebuilds."""
     lines = [no_worse(q, "geodesic", "slerp", cells), no_worse(q, SPD, "geodesic", cells)]
     ratios = {c: q[OURS][c] / min(q[word][c] for word in SCHEMES if c in q[word]) for c in cells if c in q[OURS]}
-    best = [cell for cell, ratio in ratios.items() if ratio <= 1.0]
+    best = [cell for cell, ratio in ratios.items() if ratio <= TIE]
     others = [cell for cell in cells if cell not in best]
     where = f"; not: {named(others)}" if others else ""
     enough = len(cells) - 1
