@@ -67,6 +67,8 @@ def tell_file(source: Path, out: Path) -> None:
         f"{out} is written: {source.stat().st_size} -> {out.stat().st_size} bytes. It does not need {source.name}; get "
         f"all samples back with: python -m usd_tools.upsample {out} -o BACK.usda --times source"
     )
+    if out.suffix == ".usda" and out.stat().st_size > source.stat().st_size:
+        print(f"{out} is larger than {source.name} because it is text; a name that ends in .usdc makes it binary.")
 
 
 def described(reduced: Reduced) -> dict[str, Any]:

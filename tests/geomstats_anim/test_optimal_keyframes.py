@@ -91,7 +91,14 @@ def test_half_turns_between_keys():
     assert cost(animation, keys, "max") <= 1e-6 and len(keys) <= 3
 
 
-@pytest.mark.parametrize("scheme", [scheme for scheme in SCHEMES if scheme != "slerp"])
+@pytest.mark.parametrize(
+    "scheme",
+    [
+        pytest.param(scheme, marks=pytest.mark.slow) if scheme == "rotation-spline" else scheme
+        for scheme in SCHEMES
+        if scheme != "slerp"
+    ],
+)
 def test_a_scheme_gets_keys_of_its_own(scheme):
     animation = clip(24)
     metric = MetricParameters([2.0, 1.0, 0.5], [1.0, 0.6, 1.5]) if scheme.startswith("geodesic") else None

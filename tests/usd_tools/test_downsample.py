@@ -169,7 +169,7 @@ def test_channels_with_samples_at_different_times(tmp_path, there_and_back):
     UsdSkel.Animation(stage.GetPrimAtPath(ANIMATION)).CreateTranslationsAttr()
     set_samples(stage, "translations", (0, 9.5, 19), moves)
     stage.GetRootLayer().Save()
-    sparse, back, report = there_and_back(tmp_path / "in.usda", "--tolerance", ".5")
+    sparse, back, report = there_and_back(tmp_path / "in.usda", "--tolerance", ".5", *QUICK)
     assert read(sparse)[0] == read(sparse, "translations")[0]
     assert read(back)[0] == sorted([*map(float, range(20)), 9.5])
     assert "different times" in " ".join(report["warnings"])
@@ -270,7 +270,7 @@ def test_in_place(clip, run):
 def test_same_input_same_bytes(tmp_path, clip, run, extension):
     for name in ("a", "b"):
         (tmp_path / name).mkdir()
-        assert run("downsample", clip, "-o", tmp_path / name / f"out.{extension}", "--tolerance", "1")[0] == 0
+        assert run("downsample", clip, "-o", tmp_path / name / f"out.{extension}", "--tolerance", "1", *QUICK)[0] == 0
     assert (tmp_path / "a" / f"out.{extension}").read_bytes() == (tmp_path / "b" / f"out.{extension}").read_bytes()
 
 
@@ -290,7 +290,7 @@ def test_a_hand_full_of_fingers(tmp_path, there_and_back):
     fingers = [f"hand/f{i}{'/b' * depth}" for i in range(5) for depth in range(4)]
     joints = ["hand", *fingers]
     make_rig(tmp_path / "in.usda", codes=range(30), joints=joints, rotations=random_rotations(30, 21, size=0.02))
-    report = there_and_back(tmp_path / "in.usda", "--tolerance", "2")[2]["animations"][0]
+    report = there_and_back(tmp_path / "in.usda", "--tolerance", "2", *QUICK)[2]["animations"][0]
     assert [joint["joint"] for joint in report["joints"]] == joints
     assert report["kept_samples"] < 30
 
@@ -306,7 +306,7 @@ def test_report_and_picture(tmp_path, clip, run):
 
 
 def test_report_counts_bytes(clip, there_and_back):
-    sparse, _, report = there_and_back(clip, "--rate", ".2", out="out.usdc")
+    sparse, _, report = there_and_back(clip, "--rate", ".2", *QUICK, out="out.usdc")
     animation = report["animations"][0]
     assert report["file_bytes_after"] == sparse.stat().st_size
     assert animation["bytes_usdc_after"] < animation["bytes_usdc_before"]

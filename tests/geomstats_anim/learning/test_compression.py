@@ -30,7 +30,7 @@ def standing(n_frames=20):
     )
 
 
-@pytest.mark.parametrize("scheme", ["geodesic", "geodesic-spline"])
+@pytest.mark.parametrize("scheme", [pytest.param("geodesic", marks=pytest.mark.slow), "geodesic-spline"])
 def test_count_is_kept_and_error_is_less_than_of_either_alone(scheme):
     animation = swinging()
     found = compress([animation], [6], scheme=scheme)
@@ -55,7 +55,7 @@ def test_the_metric_that_made_a_clip_is_found_with_its_keys():
 
 
 @pytest.mark.parametrize("select", ["optimal", "uniform"])
-@pytest.mark.parametrize("tolerance", [0.01, 0.05])
+@pytest.mark.parametrize("tolerance", [pytest.param(0.01, marks=pytest.mark.slow), 0.05])
 def test_tolerance_is_met_with_no_more_keys_than_slerp_needs(tolerance, select):
     animation = swinging()
     found = compress([animation], tolerance=tolerance, select=select)
@@ -72,6 +72,7 @@ def test_uniform_keys_are_uniform():
     assert found.metric.provenance["score"] <= found.metric.provenance["plain_score"]
 
 
+@pytest.mark.slow
 def test_one_metric_serves_several():
     animations = [swinging(seed) for seed in range(3)]
     found = compress(animations, [5, 6, 7])
@@ -98,6 +99,7 @@ def test_schemes_without_a_metric(scheme):
     assert largest(animation, found.keyframes[0], found.metric) <= 0.05
 
 
+@pytest.mark.slow
 def test_what_is_to_stay_stays():
     animation = swinging()
     assert {3, 4} <= set(compress([animation], [7], keep=[[3, 4]]).keyframes[0].tolist())
