@@ -88,7 +88,8 @@ def compress(
     Raises
     ------
     ValueError
-        As `optimal_keyframes`; and if there is no such selection, or it is uniform and frames must be kept.
+        As `optimal_keyframes`; and if there is no such selection, or it is uniform and frames must be kept, or there is
+        not one count for each animation, or their joints differ.
 
     Examples
     --------
@@ -107,6 +108,12 @@ def compress(
         raise ValueError(f"There is no selection {select!r}; the choices are {', '.join(SELECTIONS)}.")
     if select == "uniform" and keep is not None and any(np.size(frames) for frames in keep):
         raise ValueError("Frames of keep need select to be optimal; uniform keys are where they are.")
+    if not animations or len(counts or animations) != len(animations):
+        raise ValueError(
+            f"There are {len(animations)} animations and {len(counts or ())} counts; one count for each is needed."
+        )
+    if any(animation.skeleton.joints != animations[0].skeleton.joints for animation in animations):
+        raise ValueError("The animations have different joints; compress those of one rig at a time.")
     problems = [
         KeyProblem.of(
             animation,

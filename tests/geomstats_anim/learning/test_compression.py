@@ -121,3 +121,12 @@ def test_what_is_to_stay_stays():
 def test_refusals(arguments, sentence):
     with pytest.raises(ValueError, match=sentence):
         compress([swinging()], **arguments)
+
+
+def test_one_count_for_each_of_one_rig():
+    with pytest.raises(ValueError, match="1 animations and 2 counts"):
+        compress([swinging()], [5, 6])
+    with pytest.raises(ValueError, match="0 animations"):
+        compress([], tolerance=0.1)
+    with pytest.raises(ValueError, match="different joints"):
+        compress([swinging(), swinging(n_joints=2)], [5, 5])
