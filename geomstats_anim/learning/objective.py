@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -64,6 +65,11 @@ class Objective:
         # the last geodesics of each side help to find the next
         self._velocities = np.full((2, keys.n_joints, keys.n_frames - 1, 3), np.nan)
         self._truth = world_pose(animation).ends
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Arrive in another process: arrays out of Ray's store may not be written to."""
+        self.__dict__.update(state)
+        self._velocities = self._velocities.copy()
 
     @property
     def n_segments(self) -> int:

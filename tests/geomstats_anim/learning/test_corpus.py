@@ -1,4 +1,5 @@
 import os
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -45,6 +46,13 @@ def test_frames_that_are_not_scored_do_not_weigh():
 
 def test_files_give_the_same_as_memory():
     assert answers(Corpus(clips(), in_memory=2)) == answers(Corpus(clips()))
+
+
+def test_clips_out_of_a_store_may_be_read_only():
+    store = []
+    meta = pickle.dumps(next(clips()), protocol=5, buffer_callback=store.append)
+    locked = pickle.loads(meta, buffers=[bytes(buffer.raw()) for buffer in store])
+    assert answers(Corpus([locked])) == answers(Corpus([next(clips())]))
 
 
 def test_no_clips():
