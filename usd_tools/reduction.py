@@ -12,9 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from geomstats_anim import Animation, LearnedMetric, __version__, compress, uniform_keyframes
-from geomstats_anim.keyframes import KeyProblem
+from geomstats_anim import Animation, LearnedMetric, __version__, compress, interpolate, quality, uniform_keyframes
+from geomstats_anim.keyframes import LARGEST, KeyProblem
 from geomstats_anim.learning.compression import Compressed, plain_metric
+from geomstats_anim.quality import location_errors
 from usd_tools.errors import Messages, ToolError
 from usd_tools.files import open_stage
 from usd_tools.metric_attributes import read_metric, read_source_codes
@@ -160,7 +161,7 @@ def reduce_clip(
         metric,
         errors,
         Errors.between(restored(sparse, metric, clip.codes, "slerp"), clip),
-        _uniform(thinning, animations, errors, wanted),
+        _uniform(animations, errors, wanted),
         wanted.criterion,
     )
 
@@ -238,20 +239,26 @@ def _provenance(path: Path, clip: SkelClip, sparse: SkelClip, metric: LearnedMet
     }
 
 
-def _uniform(thinning: Thinning, animations: Sequence[Animation], errors: Errors, wanted: Wanted) -> list[np.ndarray]:
+def _uniform(animations: Sequence[Animation], errors: Errors, wanted: Wanted) -> list[np.ndarray]:
     """Equally spaced frames, the fewest that halving finds, from which slerp is as good."""
     if not animations:
         return []
     n_frames = sum(animation.n_frames for animation in animations)
-    criterion = wanted.criterion
+    kind = wanted.criterion
+    if kind == LARGEST:
+        allowed = max(0.01 * errors.centimetres.max(initial=0.0), 0.01 * (wanted.tolerance or 0.0))
+    else:
+        allowed = errors.quality(kind) * len(errors.degrees)
 
-    def error(found: Errors) -> float:
-        return found.centimetres.max(initial=0.0) if criterion == "max" else found.quality(criterion)
-
-    allowed = error(errors)
-    if criterion == "max" and wanted.tolerance is not None:
-        allowed = max(allowed, wanted.tolerance)
-    plain = plain_metric(thinning.clip.skeleton.joints, "slerp")
+    def error(kept: Sequence[np.ndarray]) -> float:
+        found = []
+        for animation, frames in zip(animations, kept, strict=True):
+            rebuilt = interpolate(animation.at_frames(frames), animation.times, "slerp")
+            if kind == LARGEST:
+                found.append(float(location_errors(rebuilt, animation).max()))
+            else:
+                found.append(animation.n_frames * quality(rebuilt, animation, kind))
+        return max(found) if kind == LARGEST else sum(found)
 
     def kept(number: int) -> list[np.ndarray]:
         return [uniform_keyframes(animation.n_frames, number / n_frames) for animation in animations]
@@ -259,9 +266,7 @@ def _uniform(thinning: Thinning, animations: Sequence[Animation], errors: Errors
     too_few, enough = 0, n_frames
     while enough - too_few > 1:
         middle = (too_few + enough) // 2
-        sparse = thinning.sparse(kept(middle))
-        found = error(Errors.between(restored(sparse, plain, thinning.clip.codes), thinning.clip))
-        too_few, enough = (too_few, middle) if found <= allowed else (middle, enough)
+        too_few, enough = (too_few, middle) if error(kept(middle)) <= allowed else (middle, enough)
     return kept(enough)
 
 
