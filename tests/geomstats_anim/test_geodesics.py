@@ -63,13 +63,21 @@ def test_ends_where_it_should(full, side, low, high, n, at_least):
 
     # Euler's equations say the same, from the velocity alone
     some = np.flatnonzero(converged[0])[:200]
-    poses, _ = oracles.velocity_form(
-        parameters.matrices[some],
-        geodesics.velocity[0, some],
-        quat.to_matrix(initial[0, some]),
-        right=parameters.is_right[some],
-    )
-    assert oracles.angle_between(poses[0], quat.to_matrix(end[0, some])).max() < BAR
+
+    def solved(velocity):
+        start = quat.to_matrix(initial[0, some])
+        return oracles.velocity_form(parameters.matrices[some], velocity, start, right=parameters.is_right[some])[0][0]
+
+    velocity = geodesics.velocity[0, some]
+    found = solved(velocity)
+    errors = oracles.angle_between(found, quat.to_matrix(end[0, some]))
+    # A turn of more than 360 degrees close to a separatrix blows up the rounding of the velocity itself.
+    rounding = 2.0 * np.spacing(1.0) * np.array([[1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [-1.0, 1.0, 1.0], [1.0, 1.0, -1.0]])
+    far = np.flatnonzero(errors >= BAR)
+    if len(far):
+        assert len(far) <= 0.01 * len(some) and (np.linalg.norm(velocity[far], axis=-1) > 2.0 * np.pi).all()
+        moved = [oracles.angle_between(solved(velocity * (1.0 + by)), found)[far] for by in rounding]
+        assert (errors[far] <= np.max(moved, axis=0)).all()
 
 
 @pytest.mark.parametrize("full", [False, True], ids=["diagonal", "full"])
