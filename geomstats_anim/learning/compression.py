@@ -100,7 +100,7 @@ def compress(
     >>> turn = np.stack([np.sin(3 * t), np.cos(2 * t), t, 2 + np.sin(t)], axis=-1)[:, None]
     >>> swing = Animation(skeleton, t, turn / np.linalg.norm(turn, axis=-1, keepdims=True), np.zeros((31, 1, 3)))
     >>> len(compress([swing], tolerance=0.01).keyframes[0])
-    5
+    4
     """
     if scheme not in SCHEMES:
         raise ValueError(f"There is no scheme {scheme!r}; the schemes are {', '.join(SCHEMES)}.")
