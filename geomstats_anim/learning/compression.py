@@ -21,8 +21,8 @@ SELECTIONS = ("optimal", "uniform")
 _ROUNDS = 3
 """Most times that a metric is learned for new keys, and keys are moved under it."""
 
-_LEAST_GAIN = 0.01
-"""Share of the error that moving keys must have gained for the metric to be learned again for them."""
+_LEAST_GAIN = 0.02
+"""Share of the error, or of the keys, that must have been gained for the metric to be learned once more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,9 +214,11 @@ def _fewest(problems: Sequence[KeyProblem], start: list[np.ndarray], plain: Lear
         if metric is None:
             break
         learned = Compressed(tuple(_refined(problems, best.keyframes, metric)), metric)
-        if _size(learned) >= _size(best):
+        gained = _size(best) - _size(learned)
+        if gained > 0:
+            best = learned
+        if gained < _LEAST_GAIN * _size(best):
             break
-        best = learned
     return best
 
 
