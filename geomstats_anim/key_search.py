@@ -26,7 +26,7 @@ _REMOVE_STRIDE, _REMOVE_REACH = 8, 3
 _MOVES = (-1, 1, -2, 2, -4, 4)
 """Frames by which a key is moved."""
 
-_ROUNDS, _FEW_ROUNDS = 8, 2
+_ROUNDS, _FEW_ROUNDS = 8, 1
 """Most passes over all keys; few where keys are removed in between."""
 
 _WORTHWHILE = 0.98
