@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from geomstats_anim.tangents import hermite
 from geomstats_anim.vectors import compiled, cross, multiply
 
-
-@compiled
-def _weights(parameter):
-    return parameter * (1.0 - parameter) ** 2, -(parameter**2) * (1.0 - parameter)
+_weights = compiled(hermite)
 
 
 @compiled

@@ -33,8 +33,7 @@ def cross(left, right, out):
 def rotate(quaternion, vector, out):
     """Rotate vectors, shape=[n, 3], by unit quaternions, shape=[n, 4]."""
     for i in range(len(out)):
-        q, v = quaternion[i], vector[i]
-        rotated = vectors.rotate_back((-q[0], -q[1], -q[2], q[3]), (v[0], v[1], v[2]))
+        rotated = vectors.rotate(quaternion[i], vector[i])
         for k in range(3):
             out[i, k] = rotated[k]
 
@@ -75,8 +74,7 @@ def log(quaternion, out):
 def difference(left, right, out):
     """Turn the rotations that lead from unit quaternions to others, shape=[n, 4], into rotation vectors."""
     for i in range(len(out)):
-        a = left[i]
-        vector = log_of(vectors.multiply((-a[0], -a[1], -a[2], a[3]), right[i]))
+        vector = log_of(vectors.multiply(vectors.conjugate(left[i]), right[i]))
         for k in range(3):
             out[i, k] = vector[k]
 
@@ -85,6 +83,5 @@ def difference(left, right, out):
 def distance(left, right, out):
     """Measure angles, shape=[n, 1], between the rotations of unit quaternions, shape=[n, 4]."""
     for i in range(len(out)):
-        a = left[i]
-        between = vectors.multiply((-a[0], -a[1], -a[2], a[3]), right[i])
+        between = vectors.multiply(vectors.conjugate(left[i]), right[i])
         out[i, 0] = 2.0 * np.arctan2(np.sqrt(vectors.dot(between, between)), abs(between[3]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -64,6 +65,17 @@ def uniform_keyframes(n_frames: int, rate: float) -> np.ndarray:
         raise ValueError(f"The rate must be above 0 and at most 1, but it is {rate}.")
     n_keys = max(2, round(rate * n_frames))
     return np.round(np.linspace(0, n_frames - 1, n_keys)).astype(np.intp)
+
+
+def by_halving(is_enough: Callable[[int], bool], too_few: int, enough: int) -> int:
+    """Halve the way between a number that is too few and one that is enough, down to two neighbours; return the upper.
+
+    It is the least that is enough, unless fewer are enough where more are not.
+    """
+    while enough - too_few > 1:
+        middle = (too_few + enough) // 2
+        too_few, enough = (too_few, middle) if is_enough(middle) else (middle, enough)
+    return enough
 
 
 def optimal_keyframes(

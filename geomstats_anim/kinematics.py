@@ -11,7 +11,7 @@ import numpy as np
 
 from geomstats_anim.animation import Animation, Skeleton
 from geomstats_anim.rotations import Array
-from geomstats_anim.vectors import compiled, cross, multiply, rotate_back
+from geomstats_anim.vectors import compiled, cross, multiply, rotate, rotate_back
 
 
 class WorldPose(NamedTuple):
@@ -97,12 +97,6 @@ def pull_back_ends(skeleton: Skeleton, pose: WorldPose, forces: Array) -> tuple[
     torques, pulls = np.empty_like(pose.ends), np.empty_like(pose.ends)
     _pull_back_ends(breadth_first(skeleton), np.array(skeleton.parents), *pose, forces, torques, pulls)
     return torques, pulls
-
-
-@compiled
-def rotate(q, v):
-    """Apply a unit quaternion to a vector."""
-    return rotate_back((-q[0], -q[1], -q[2], q[3]), (v[0], v[1], v[2]))
 
 
 @compiled

@@ -6,12 +6,7 @@ Each joint has a side, and the rotation P to the principal axes of its metric as
 from __future__ import annotations
 
 from geomstats_anim.elementwise import log_of
-from geomstats_anim.vectors import compiled, multiply, rotate_back
-
-
-@compiled
-def _inverse(q):
-    return (-q[0], -q[1], -q[2], q[3])
+from geomstats_anim.vectors import compiled, conjugate, multiply, rotate_back
 
 
 @compiled
@@ -29,10 +24,10 @@ def targets(initial, end, is_right, axes, out):
     for k in range(len(initial)):
         for b in range(len(axes)):
             if is_right[b]:
-                relative = _inverse(multiply(end[k, b], _inverse(initial[k, b])))
+                relative = conjugate(multiply(end[k, b], conjugate(initial[k, b])))
             else:
-                relative = multiply(_inverse(initial[k, b]), end[k, b])
-            vector = rotate_back(_inverse(axes[b]), log_of(relative))
+                relative = multiply(conjugate(initial[k, b]), end[k, b])
+            vector = rotate_back(conjugate(axes[b]), log_of(relative))
             for i in range(3):
                 out[k, b, i] = vector[i]
 
@@ -54,9 +49,9 @@ def poses(initial, index, turned, is_right, axes, out):
     """
     for f in range(len(index)):
         for b in range(len(axes)):
-            turn = multiply(multiply(_inverse(axes[b]), turned[f, b]), axes[b])
+            turn = multiply(multiply(conjugate(axes[b]), turned[f, b]), axes[b])
             start = initial[index[f], b]
-            pose = multiply(_inverse(turn), start) if is_right[b] else multiply(start, turn)
+            pose = multiply(conjugate(turn), start) if is_right[b] else multiply(start, turn)
             for i in range(4):
                 out[f, b, i] = pose[i]
 
@@ -81,8 +76,8 @@ def inward(rotations, cotangent, is_right, axes, out):
             by_turn = (x[0], x[1], x[2])
             if is_right[b]:
                 # the body variation x of a right-invariant geodesic g = e^-1 A comes from -g x of e
-                outward = rotate_back(_inverse(rotations[f, b]), by_turn)
+                outward = rotate_back(conjugate(rotations[f, b]), by_turn)
                 by_turn = (-outward[0], -outward[1], -outward[2])
-            by_turn = rotate_back(_inverse(axes[b]), by_turn)
+            by_turn = rotate_back(conjugate(axes[b]), by_turn)
             for i in range(3):
                 out[f, b, i] = by_turn[i]

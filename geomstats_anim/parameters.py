@@ -308,6 +308,13 @@ class LearnedMetric:
             raise ValueError(f"provenance holds what JSON cannot: {error}.") from error
         object.__setattr__(self, "provenance", dict(self.provenance))
 
+    @classmethod
+    def plain(cls, joints: Sequence[str], scheme: str, tension: float | None = None) -> LearnedMetric:
+        """Make the metric for which nothing was learned: bi-invariant, with the scheme's usual tension or another."""
+        tensions = None if tension is None else np.full(len(joints), tension)
+        metric = MetricParameters.identity(len(joints))
+        return cls(tuple(joints), metric, tensions, scheme, translation_tension=tensions)  # type: ignore[arg-type]
+
     @property
     def curve(self) -> CurveParameters:
         """Its parameters without the names."""

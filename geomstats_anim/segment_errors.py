@@ -12,9 +12,9 @@ import numpy as np
 
 from geomstats_anim.animation import Animation
 from geomstats_anim.compilation import in_threads
-from geomstats_anim.kinematics import breadth_first, rotate, world_pose
+from geomstats_anim.kinematics import breadth_first, world_pose
 from geomstats_anim.rotations import Array
-from geomstats_anim.vectors import compiled, multiply
+from geomstats_anim.vectors import compiled, multiply, rotate
 
 
 class Measure(NamedTuple):

@@ -34,12 +34,24 @@ def multiply(a, b):
 
 
 @compiled
+def conjugate(q):
+    """Inverse of a unit quaternion."""
+    return (-q[0], -q[1], -q[2], q[3])
+
+
+@compiled
 def rotate_back(q, v):
     """Apply the inverse of a unit quaternion to a vector."""
     tx, ty, tz = cross(v, (q[0], q[1], q[2]))
     tx, ty, tz = 2.0 * tx, 2.0 * ty, 2.0 * tz
     cx, cy, cz = cross((tx, ty, tz), (q[0], q[1], q[2]))
     return (v[0] + q[3] * tx + cx, v[1] + q[3] * ty + cy, v[2] + q[3] * tz + cz)
+
+
+@compiled
+def rotate(q, v):
+    """Apply a unit quaternion to a vector."""
+    return rotate_back(conjugate(q), (v[0], v[1], v[2]))
 
 
 @compiled

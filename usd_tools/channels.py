@@ -108,6 +108,16 @@ class Channel:
         return same | (left == -right).all(axis=-1) if self.name == "rotations" else same
 
 
+def write_samples(spec: Sdf.AttributeSpec, channel: Channel, stretch: float = 1.0) -> None:
+    """Write the samples of a channel, and no others, to an attribute; time codes are multiplied by a number."""
+    kind, block = CHANNELS[channel.name], Sdf.ValueBlock()
+    spec.ClearInfo("timeSamples")
+    layer, path, codes = spec.layer, spec.path, (channel.codes * stretch).tolist()
+    with Sdf.ChangeBlock():
+        for code, values, is_blocked in zip(codes, channel.values, channel.blocked, strict=True):
+            layer.SetTimeSample(path, code, block if is_blocked else kind.to_usd(values))
+
+
 def read_channel(prim: Usd.Prim, name: str, size: int) -> Channel | None:
     """Read an attribute of a SkelAnimation.
 

@@ -119,13 +119,14 @@ def downsample(args: argparse.Namespace) -> int:
             raise ToolError(f"{args.input} has no skeletal animation with two samples or more to choose from.")
         _write(args, target, stage, moving, messages)
     checked = verified(target.path, moving, wanted)
-    for each in checked:
-        downsample_report.tell(each, args.verbose, messages)
+    described = [downsample_report.described(each) for each in checked]
+    for each, values in zip(checked, described, strict=True):
+        downsample_report.tell(each.clip, values, args.verbose)
     downsample_report.tell_file(args.input, target.path)
     if args.picture is not None:
         downsample_report.draw(checked, args.picture)
     if args.report is not None:
-        write_json(args.report, _report(args, target, checked, messages))
+        write_json(args.report, _report(args, target, described, messages))
     return 0
 
 
@@ -163,7 +164,9 @@ def _settings(args: argparse.Namespace) -> dict[str, Any]:
     return {name: value for name, value in settings.items() if value is not None}
 
 
-def _report(args: argparse.Namespace, target: Output, reduced: Sequence[Reduced], messages: Messages) -> dict[str, Any]:
+def _report(
+    args: argparse.Namespace, target: Output, animations: Sequence[dict[str, Any]], messages: Messages
+) -> dict[str, Any]:
     """Tell what was done, as plain values."""
     return {
         "tool": TOOL,
@@ -173,7 +176,7 @@ def _report(args: argparse.Namespace, target: Output, reduced: Sequence[Reduced]
         "settings": _settings(args),
         "file_bytes_before": args.input.stat().st_size,
         "file_bytes_after": target.path.stat().st_size,
-        "animations": [downsample_report.described(each) for each in reduced],
+        "animations": list(animations),
         "warnings": messages.warnings,
     }
 

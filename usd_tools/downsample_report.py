@@ -2,30 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from geomstats_anim.rotations import Array
-from usd_tools.errors import Messages
 from usd_tools.files import written_beside
 from usd_tools.kept_bytes import clip_bytes_numpy, clip_bytes_usdc
 from usd_tools.metric_attributes import summary
 from usd_tools.reduction import Reduced
-from usd_tools.sparse import Errors, Thinning
+from usd_tools.skel_reader import SkelClip
+from usd_tools.sparse import Errors
 from usd_tools.tables import show
 
 PICTURES = (".png", ".svg", ".pdf")
+
+_COLUMNS = ("mean deg", "99 % deg", "max deg", "mean cm", "99 % cm", "max cm")
 
 _WORST = 5
 """Joints that are shown unless all are."""
 
 
-def tell(reduced: Reduced, verbose: bool, messages: Messages) -> None:
-    """Say what is left of an animation, how well the rest is rebuilt, and what a viewer shows."""
-    clip, values = reduced.clip, described(reduced)
+def tell(clip: SkelClip, values: Mapping[str, Any], verbose: bool) -> None:
+    """Say what is left of an animation, how well the rest is rebuilt, and what a viewer shows; see `described`."""
     print(
         f"{clip.path}: {values['kept_samples']} of {values['samples']} samples kept, {len(clip.joints)} joints; "
         f"{values['bytes_usdc_before']} -> {values['bytes_usdc_after']} bytes as usdc, "
@@ -38,7 +39,7 @@ def tell(reduced: Reduced, verbose: bool, messages: Messages) -> None:
             ("rebuilt by upsample --times source", *_cells(values["rebuilt"])),
             ("played by a viewer, as slerp", *_cells(values["played"])),
         ],
-        ("", "mean deg", "99 % deg", "max deg", "mean cm", "99 % cm", "max cm"),
+        ("", *_COLUMNS),
     )
     joints = sorted(values["joints"], key=lambda joint: -joint["centimetres"]["largest"])
     shown = joints if verbose else [joint for joint in joints[:_WORST] if joint["centimetres"]["largest"] > 0.0]
@@ -46,7 +47,7 @@ def tell(reduced: Reduced, verbose: bool, messages: Messages) -> None:
         show(
             "Errors of the joints, rebuilt" if verbose else f"The {len(shown)} joints that are worst, rebuilt",
             [(joint["joint"].rsplit("/", 1)[-1], *_cells(joint)) for joint in shown],
-            ("joint", "mean deg", "99 % deg", "max deg", "mean cm", "99 % cm", "max cm"),
+            ("joint", *_COLUMNS),
         )
     uniform = values["uniform_slerp"]
     if uniform["samples"]:
@@ -73,9 +74,9 @@ def tell_file(source: Path, out: Path) -> None:
 
 def described(reduced: Reduced) -> dict[str, Any]:
     """Tell what was done to an animation, as plain values."""
-    clip, sparse, metric = reduced.clip, reduced.sparse, reduced.metric
-    thinning = Thinning.of(clip)
-    n_frames = [animation.n_frames for animation in thinning.animations]
+    thinning, clip, sparse, metric = reduced.thinning, reduced.clip, reduced.sparse, reduced.metric
+    n_frames = [span.stop - span.start for span in thinning.spans]
+    uniform = thinning.sparse(reduced.uniform)
     return {
         "prim": clip.path,
         "skeletons": [str(prim.GetPath()) for prim in clip.source.skeletons],
@@ -101,8 +102,8 @@ def described(reduced: Reduced) -> dict[str, Any]:
         "uniform_slerp": {
             "criterion": reduced.criterion,
             "samples": sum(map(len, reduced.uniform)),
-            "bytes_usdc": clip_bytes_usdc(thinning.sparse(reduced.uniform), None, None),
-            "bytes_numpy": clip_bytes_numpy(thinning.sparse(reduced.uniform), None),
+            "bytes_usdc": clip_bytes_usdc(uniform, None, None),
+            "bytes_numpy": clip_bytes_numpy(uniform, None),
         },
     }
 

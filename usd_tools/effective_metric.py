@@ -10,7 +10,7 @@ from geomstats_anim import SCHEMES, LearnedMetric
 from usd_tools.errors import Messages, ToolError
 from usd_tools.metric_attributes import read_metric
 from usd_tools.skel_reader import SkelClip
-from usd_tools.style_controls import DEFAULT_SCHEME, Style, identity_metric, styled, unmatched
+from usd_tools.style_controls import DEFAULT_SCHEME, Style, styled, unmatched
 
 _WORDS = ("stored", "identity", "learn")
 
@@ -97,7 +97,7 @@ def _effective(
         raise ToolError(f"{clip.path} stores no metric; leave --metric out, or choose the animation with --prim.")
     missing: tuple[str, ...] = ()
     if base is None:
-        metric, origin = identity_metric(clip.joints, DEFAULT_SCHEME), "identity"
+        metric, origin = LearnedMetric.plain(clip.joints, DEFAULT_SCHEME), "identity"
     else:
         metric, missing = base.for_joints(clip.joints)
         if missing:

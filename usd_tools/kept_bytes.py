@@ -11,7 +11,7 @@ import numpy as np
 from pxr import Sdf, Vt
 
 from geomstats_anim import Animation, LearnedMetric
-from usd_tools.channels import CHANNELS
+from usd_tools.channels import CHANNELS, write_samples
 from usd_tools.errors import TEMPORARY
 from usd_tools.metric_attributes import write_metric, write_source_codes
 from usd_tools.skel_reader import SkelClip
@@ -104,13 +104,10 @@ def clip_bytes_usdc(clip: SkelClip, metric: LearnedMetric | None, source_codes: 
     for name, channel in clip.channels.items():
         kind = CHANNELS[name]
         attribute = Sdf.AttributeSpec(prim, name, kind.value_type)
-        if not len(channel.codes):
+        if len(channel.codes):
+            write_samples(attribute, channel)
+        else:
             attribute.default = kind.to_usd(channel.default)
-            continue
-        with Sdf.ChangeBlock():
-            for code, values, is_blocked in zip(channel.codes.tolist(), channel.values, channel.blocked, strict=True):
-                value = Sdf.ValueBlock() if is_blocked else kind.to_usd(values)
-                layer.SetTimeSample(attribute.path, code, value)
     if source_codes is not None:
         write_source_codes(prim, source_codes)
     return _usdc_size(layer, prim, metric)

@@ -16,7 +16,6 @@ from geomstats_anim.parameters import CurveParameters
 from geomstats_anim.quality import rotation_errors
 from usd_tools.errors import ToolError
 from usd_tools.metric_meaning import BY_JOINT
-from usd_tools.style_controls import identity_metric
 from usd_tools.takes import Take
 
 PAPERS_RATE = 0.3
@@ -194,7 +193,7 @@ def _assessed(stretches: Sequence[Animation], recipe: Recipe, metric: LearnedMet
         try:
             return quick.fit([stretch.at_frames(slice(0, stretch.n_frames // 2 + 1)) for stretch in stretches])
         except ValueError:  # nothing to learn in there
-            return identity_metric(metric.joints, metric.scheme)
+            return LearnedMetric.plain(metric.joints, metric.scheme)
 
     found: dict[tuple[str, bool], list[tuple[int, Score]]] = {}
     for stretch in stretches:

@@ -6,15 +6,14 @@ import argparse
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from geomstats_anim import Animation, LearnedMetric, __version__, compress, interpolate, quality, uniform_keyframes
-from geomstats_anim.keyframes import LARGEST, KeyProblem
-from geomstats_anim.learning.compression import Compressed, plain_metric
+from geomstats_anim.keyframes import LARGEST, KeyProblem, by_halving
+from geomstats_anim.learning.compression import Compressed
 from geomstats_anim.quality import location_errors
 from usd_tools.errors import Messages, ToolError
 from usd_tools.files import open_stage
@@ -70,8 +69,8 @@ class Reduced:
 
     Parameters
     ----------
-    clip : SkelClip
-        The source.
+    thinning : Thinning
+        The source, and what there was to choose from.
     sparse : SkelClip
         What is written.
     metric : LearnedMetric
@@ -85,7 +84,7 @@ class Reduced:
         What "as good" means: a kind of quality, or "max".
     """
 
-    clip: SkelClip
+    thinning: Thinning
     sparse: SkelClip
     metric: LearnedMetric
     errors: Errors
@@ -93,10 +92,15 @@ class Reduced:
     uniform: list[np.ndarray]
     criterion: str
 
-    @cached_property
+    @property
+    def clip(self) -> SkelClip:
+        """The source."""
+        return self.thinning.clip
+
+    @property
     def kept(self) -> np.ndarray:
         """Time codes of the samples that are left of those that were chosen from."""
-        names = Thinning.of(self.clip).names
+        names = self.thinning.names
         return self.sparse.channels[names[0]].codes if names else self.sparse.codes
 
 
@@ -156,7 +160,7 @@ def reduce_clip(
         margin += 0.02 * over  # what is written is rounded, and other channels have a part in it
     metric = replace(compressed.metric, provenance=_provenance(path, clip, sparse, compressed.metric, errors))
     return Reduced(
-        clip,
+        thinning,
         sparse,
         metric,
         errors,
@@ -175,7 +179,7 @@ def _compressed(
     watch: Callable[[int, float], None],
 ) -> Compressed:
     if not animations:
-        return Compressed((), plain_metric(clip.skeleton.joints, wanted.scheme))
+        return Compressed((), LearnedMetric.plain(clip.skeleton.joints, wanted.scheme))
     keep = None
     if wanted.keep is not None:
         codes = wanted.keep.of(clip)
@@ -263,11 +267,7 @@ def _uniform(animations: Sequence[Animation], errors: Errors, wanted: Wanted) ->
     def kept(number: int) -> list[np.ndarray]:
         return [uniform_keyframes(animation.n_frames, number / n_frames) for animation in animations]
 
-    too_few, enough = 0, n_frames
-    while enough - too_few > 1:
-        middle = (too_few + enough) // 2
-        too_few, enough = (too_few, middle) if error(kept(middle)) <= allowed else (middle, enough)
-    return kept(enough)
+    return kept(by_halving(lambda number: error(kept(number)) <= allowed, 0, n_frames))
 
 
 def verified(path: Path, reduced: Sequence[Reduced], wanted: Wanted) -> list[Reduced]:

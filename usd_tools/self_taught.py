@@ -16,7 +16,7 @@ from usd_tools.errors import Messages, ToolError
 from usd_tools.lesson import Recipe, teach
 from usd_tools.progress import SearchProgress
 from usd_tools.skel_reader import SkelClip
-from usd_tools.style_controls import DEFAULT_SCHEME, identity_metric
+from usd_tools.style_controls import DEFAULT_SCHEME
 from usd_tools.takes import take_of
 
 RATE = 0.5
@@ -55,7 +55,7 @@ def taught_by_itself(path: Path, clip: SkelClip, scheme: str | None, messages: M
             lesson = teach([take], recipe, progress.watch)
     except ToolError as error:
         messages.warn(f"{str(error).rstrip('.')}; the identity is used.")
-        return identity_metric(clip.joints, recipe.scheme)
+        return LearnedMetric.plain(clip.joints, recipe.scheme)
     if lesson.is_plain:
         plain = "the plain spline" if recipe.scheme == "geodesic-spline" else "slerp"
         gained = f"nothing is sure to predict the others better than {plain}: a tie, and it is kept"

@@ -13,7 +13,7 @@ import numpy as np
 from pxr import Sdf, Tf, Usd, UsdUtils
 
 from geomstats_anim import LearnedMetric, __version__
-from usd_tools.channels import CHANNELS, Channel
+from usd_tools.channels import CHANNELS, Channel, write_samples
 from usd_tools.errors import TEMPORARY, Messages, ToolError, commentary
 from usd_tools.files import relative_asset_path, written_beside
 from usd_tools.instancing import editable_paths
@@ -119,7 +119,7 @@ class OverrideLayer:
                 attribute.ClearInfo("timeSamples")
                 attribute.default = kind.to_usd(values.astype(kind.dtype))
             for name, channel in channels.items():
-                self._write_samples(_attribute(spec, name), channel)
+                write_samples(_attribute(spec, name), channel, self.stretch)
             if metric is not None:
                 axes = source.prim.GetAttribute(f"{NAMESPACE}:axes")
                 write_metric(spec, metric, hide_axes=bool(axes) and axes.HasAuthoredValue())
@@ -129,14 +129,6 @@ class OverrideLayer:
             for skeleton in source.skeletons:
                 if not skeleton.IsInstanceProxy():
                     write_summary(Sdf.CreatePrimInLayer(self.layer, skeleton.GetPath()), metric)
-
-    def _write_samples(self, spec: Sdf.AttributeSpec, channel: Channel) -> None:
-        kind, block = CHANNELS[channel.name], Sdf.ValueBlock()
-        spec.ClearInfo("timeSamples")
-        path, codes = spec.path, (channel.codes * self.stretch).tolist()
-        with Sdf.ChangeBlock():
-            for code, values, is_blocked in zip(codes, channel.values, channel.blocked, strict=True):
-                self.layer.SetTimeSample(path, code, block if is_blocked else kind.to_usd(values))
 
 
 def _attribute(spec: Sdf.PrimSpec, name: str) -> Sdf.AttributeSpec:

@@ -10,6 +10,7 @@ import numpy as np
 from geomstats_anim import Animation, LearnedMetric
 from geomstats_anim import rotations as quat
 from geomstats_anim.kinematics import world_pose
+from geomstats_anim.quality import kind_shares
 from geomstats_anim.rotations import Array
 from usd_tools.channels import Channel
 from usd_tools.resampling import animation_of, resample, with_codes
@@ -158,7 +159,8 @@ class Errors:
         """Quality as in `geomstats_anim.quality`, without weights."""
         location = float(((0.01 * self.centimetres) ** 2).sum(axis=-1).mean())
         rotation = float(np.radians(self.degrees).sum(axis=-1).mean())
-        return {"loc": location, "rot": rotation, "hyb": 0.5 * (location + rotation)}[kind]
+        shares = kind_shares(kind)
+        return shares.location * location + shares.rotation * rotation
 
 
 def _is_constant(channel: Channel) -> bool:

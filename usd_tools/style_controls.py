@@ -109,8 +109,3 @@ def styled(metric: LearnedMetric, styles: Sequence[Style]) -> LearnedMetric:
 def unmatched(styles: Sequence[Style], joints: Sequence[str]) -> Style | None:
     """Find the first style that matches no joint; "*" is for all, even if there are none."""
     return next((style for style in styles if style.pattern != "*" and not any(map(style.matches, joints))), None)
-
-
-def identity_metric(joints: Sequence[str], scheme: str) -> LearnedMetric:
-    """Make the bi-invariant metric of some joints."""
-    return LearnedMetric(tuple(joints), MetricParameters.identity(len(joints)), scheme=scheme)

@@ -179,10 +179,7 @@ def _resample_all(
             def advance(share: float, amount: int = amount) -> None:
                 progress.advance(share * amount)
 
-            try:
-                results.append(resample(clip, codes, effective.metric.scheme, effective.metric, advance))
-            except ValueError as error:
-                raise ToolError(f"{clip.path} cannot be interpolated: {error}") from error
+            results.append(resample(clip, codes, effective.metric.scheme, effective.metric, advance))
     return results
 
 

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from geomstats_anim.animation import Animation
 from geomstats_anim.interpolation import SCHEMES
-from geomstats_anim.keyframes import KeyProblem, uniform_keyframes
+from geomstats_anim.keyframes import KeyProblem, by_halving, uniform_keyframes
 from geomstats_anim.learning.learn import SCHEMES as LEARNED_SCHEMES
 from geomstats_anim.learning.learn import learn_metric, turns
-from geomstats_anim.parameters import CurveParameters, LearnedMetric
+from geomstats_anim.parameters import LearnedMetric
 
 SELECTIONS = ("optimal", "uniform")
 
@@ -141,21 +140,12 @@ def compress(
             progress=progress,
         )
 
-    plain = plain_metric(animations[0].skeleton.joints, scheme)
+    plain = LearnedMetric.plain(animations[0].skeleton.joints, scheme)
     learn: Fit = fit if scheme in LEARNED_SCHEMES else lambda keyframes: None
     if select == "uniform":
         return _uniform(problems, plain, learn)
     start = [problem.under_slerp() for problem in problems]
     return (_best if tolerance is None else _fewest)(problems, start, plain, learn)
-
-
-def plain_metric(joints: Sequence[str], scheme: str, tension: float | None = None) -> LearnedMetric:
-    """Make the metric that nothing was learned for: bi-invariant, with the scheme's usual tension or another."""
-    curve = CurveParameters.plain(scheme, len(joints))
-    both: Any = (curve.tension, curve.translation_tension)
-    if tension is not None:
-        both = tuple(np.full(len(joints), tension) for _ in both)
-    return LearnedMetric(tuple(joints), curve.metric, both[0], scheme, "", {}, both[1])
 
 
 Fit = Callable[[Sequence[np.ndarray]], LearnedMetric | None]
@@ -181,12 +171,8 @@ def _uniform(problems: Sequence[KeyProblem], plain: LearnedMetric, fit: Fit) -> 
         ]
         metric = fit(kept) or plain
         return Compressed(tuple(kept), min(plain, metric, key=lambda each: _cost(problems, kept, each)))
-    too_few, enough = 1, max(problem.animation.n_frames for problem in problems)
-    most = enough
-    while enough - too_few > 1:
-        middle = (too_few + enough) // 2
-        too_few, enough = (too_few, middle) if fits(at(middle / most), plain) else (middle, enough)
-    kept = at(enough / most)
+    most = max(problem.animation.n_frames for problem in problems)
+    kept = at(by_halving(lambda count: fits(at(count / most), plain), 1, most) / most)
     metric = fit(kept) or plain
     return Compressed(tuple(kept), metric if fits(kept, metric) else plain)
 
@@ -207,7 +193,7 @@ def _fewest(problems: Sequence[KeyProblem], start: list[np.ndarray], plain: Lear
     """Stay within the tolerance, with as few keys as can be."""
     found = [Compressed(tuple(_refined(problems, start, plain)), plain)]
     if plain.scheme == "geodesic-spline":  # without tension it is slerp, for which the first keys are the fewest
-        found.append(Compressed(tuple(start), plain_metric(plain.joints, plain.scheme, tension=0.0)))
+        found.append(Compressed(tuple(start), LearnedMetric.plain(plain.joints, plain.scheme, tension=0.0)))
     best = min(found, key=_size)
     for _ in range(_ROUNDS):
         metric = fit(best.keyframes)

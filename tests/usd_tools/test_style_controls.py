@@ -3,7 +3,8 @@
 import numpy as np
 from rigs import make_rig, stored_metric
 
-from usd_tools.style_controls import identity_metric, parse_style, styled
+from geomstats_anim import LearnedMetric
+from usd_tools.style_controls import parse_style, styled
 
 JOINTS = ["rig:Hips", "rig:Hips/rig:LeftArm", "rig:Hips/rig:LeftArm/rig:LeftHand"]
 
@@ -17,7 +18,7 @@ def test_pattern_matches_path_or_last_part():
 
 def test_later_styles_win():
     styles = [parse_style(text) for text in ("*:alpha=2,invariance=right", "*Arm:alpha=4", "*Hand:beta=0.5")]
-    metric = styled(identity_metric(JOINTS, "geodesic"), styles)
+    metric = styled(LearnedMetric.plain(JOINTS, "geodesic"), styles)
     assert metric.parameters.alpha.tolist() == [2, 4, 2]
     assert metric.parameters.beta.tolist() == [1, 1, 0.5]
     assert metric.parameters.invariance == ("right",) * 3
@@ -25,7 +26,7 @@ def test_later_styles_win():
 
 
 def test_nothing_changes_where_nothing_matches():
-    metric = identity_metric(JOINTS, "geodesic")
+    metric = LearnedMetric.plain(JOINTS, "geodesic")
     assert styled(metric, [parse_style("leg:alpha=2")]) is metric
 
 
