@@ -23,7 +23,7 @@ _MOVE_STRIDE, _MOVE_REACH = 4, 2
 _REMOVE_STRIDE, _REMOVE_REACH = 8, 3
 """Every so many keys are moved or removed at once; so many segments to both sides are what each is judged by."""
 
-_MOVES = (-1, 1, -2, 2, -4, 4)
+_MOVES = (-1, 1, -2, 2)
 """Frames by which a key is moved."""
 
 _ROUNDS, _FEW_ROUNDS = 8, 1
@@ -32,7 +32,7 @@ _ROUNDS, _FEW_ROUNDS = 8, 1
 _WORTHWHILE = 0.98
 """Share of the keys: another round of moving and removing is made while one leaves fewer."""
 
-_LEAST_GAIN = 1e-3
+_LEAST_GAIN = 1e-2
 """Share of the cost that another pass over all keys must have gained."""
 
 _POWER = 12

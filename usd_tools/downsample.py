@@ -37,7 +37,7 @@ def parser() -> argparse.ArgumentParser:
         prog="python -m usd_tools.downsample",
         description="Keep few samples of skeletal animation, bit for bit, and with them the metric and the tensions "
         "that rebuild the others: usd_tools.upsample OUT -o BACK --times source. Everything else on the stage stays. "
-        "OUT does not need IN, and plays in any viewer, as slerp between the samples that are left.",
+        "OUT does not need the samples of IN, and plays in any viewer, as slerp between those that are left.",
     )
     parse.add_argument("input", metavar="IN", type=Path, help="USD file")
     parse.add_argument("-o", "--out", metavar="OUT", type=Path, help="USD file to write")
@@ -65,8 +65,7 @@ def parser() -> argparse.ArgumentParser:
     parse.add_argument(
         "--family",
         choices=FAMILIES,
-        default=FAMILIES[0],
-        help="of the metric; default: %(default)s; see usd_tools.learn",
+        help="of the metric, see usd_tools.learn; default: spd, or diagonal for --tolerance",
     )
     parse.add_argument(
         "--kind",
@@ -106,6 +105,7 @@ def downsample(args: argparse.Namespace) -> int:
     with usd_warnings(messages):
         stage = open_stage(args.input)
     target.check_layers(stage)
+    size_before = args.input.stat().st_size
     with usd_warnings(messages), reading(args.input):
         sources = selection.selected(args.input, find_animations(stage), args.prim)
         target = target.without_source(sources)
@@ -122,11 +122,11 @@ def downsample(args: argparse.Namespace) -> int:
     described = [downsample_report.described(each) for each in checked]
     for each, values in zip(checked, described, strict=True):
         downsample_report.tell(each.clip, values, args.verbose)
-    downsample_report.tell_file(args.input, target.path)
+    downsample_report.tell_file(args.input, size_before, target.path)
     if args.picture is not None:
         downsample_report.draw(checked, args.picture)
     if args.report is not None:
-        write_json(args.report, _report(args, target, described, messages))
+        write_json(args.report, _report(args, target, size_before, described, messages))
     return 0
 
 
@@ -165,7 +165,11 @@ def _settings(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _report(
-    args: argparse.Namespace, target: Output, animations: Sequence[dict[str, Any]], messages: Messages
+    args: argparse.Namespace,
+    target: Output,
+    size_before: int,
+    animations: Sequence[dict[str, Any]],
+    messages: Messages,
 ) -> dict[str, Any]:
     """Tell what was done, as plain values."""
     return {
@@ -174,7 +178,7 @@ def _report(
         "source": args.input.name,
         "output": target.path.name,
         "settings": _settings(args),
-        "file_bytes_before": args.input.stat().st_size,
+        "file_bytes_before": size_before,
         "file_bytes_after": target.path.stat().st_size,
         "animations": list(animations),
         "warnings": messages.warnings,

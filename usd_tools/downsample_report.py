@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from geomstats_anim.rotations import Array
-from usd_tools.files import written_beside
+from usd_tools.files import needed_files, written_beside
 from usd_tools.kept_bytes import clip_bytes_numpy, clip_bytes_usdc
 from usd_tools.metric_attributes import summary
 from usd_tools.reduction import Reduced
@@ -62,13 +62,15 @@ def _cells(errors: dict[str, Any]) -> list[str]:
     return [f"{errors[unit][word]:.3f}" for unit in ("degrees", "centimetres") for word in words]
 
 
-def tell_file(source: Path, out: Path) -> None:
-    """Say what is written, and how to get the rest back."""
+def tell_file(source: Path, size_before: int, out: Path) -> None:
+    """Say what is written, what else it needs, and how to get the rest back."""
+    others = [path for path in needed_files(out) if path != out.resolve()]
+    stands = f"It needs {', '.join(sorted(path.name for path in others))} too" if others else "It stands alone"
     print(
-        f"{out} is written: {source.stat().st_size} -> {out.stat().st_size} bytes. It does not need {source.name}; get "
-        f"all samples back with: python -m usd_tools.upsample {out} -o BACK.usda --times source"
+        f"{out} is written: {size_before} -> {out.stat().st_size} bytes. {stands}; get all samples back with: "
+        f"python -m usd_tools.upsample {out} -o BACK.usda --times source"
     )
-    if out.suffix == ".usda" and out.stat().st_size > source.stat().st_size:
+    if out.suffix == ".usda" and out.stat().st_size > size_before:
         print(f"{out} is larger than {source.name} because it is text; a name that ends in .usdc makes it binary.")
 
 

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from pxr import Tf, Usd
+from pxr import Ar, Tf, Usd, UsdUtils
 
 from usd_tools.errors import TEMPORARY, ToolError, commentary
 
@@ -125,6 +125,13 @@ def same_file(path: Path, others: Iterable[str | Path]) -> bool:
     """Whether a path leads to one of the others, however they are spelled, links included."""
     # Asking the system and not comparing names: some disks do not tell capital letters from small ones.
     return path.exists() and any(os.path.exists(other) and os.path.samefile(path, other) for other in others)
+
+
+def needed_files(path: Path) -> set[Path]:
+    """Find all files that a USD file is made of, itself among them; of packages, the packages."""
+    layers, assets, _ = UsdUtils.ComputeAllDependencies(str(path))
+    names = [layer.realPath for layer in layers] + list(assets)
+    return {Path(Ar.SplitPackageRelativePathOuter(name)[0]).resolve() for name in names}
 
 
 def relative_asset_path(target: Path, folder: Path) -> str:

@@ -38,8 +38,8 @@ class Wanted:
     keys : int or None
     tolerance : float or None
         Centimetres.
-    select, scheme, family : str
-    kind : str or None
+    select, scheme : str
+    family, kind : str or None
     keep : TimeCodes or None
     """
 
@@ -48,7 +48,7 @@ class Wanted:
     tolerance: float | None
     select: str
     scheme: str
-    family: str
+    family: str | None
     kind: str | None
     keep: TimeCodes | None
 

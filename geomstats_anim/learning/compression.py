@@ -1,9 +1,14 @@
-"""Keys and the metric that rebuilds the frames between them, chosen together."""
+"""Keys and the metric that rebuilds the frames between them, chosen together.
+
+Metrics are learned roughly: where the keys are matters more than the last per cent that a longer search would find. And
+for moving keys a diagonal one is near enough.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,10 +23,10 @@ from geomstats_anim.parameters import LearnedMetric
 SELECTIONS = ("optimal", "uniform")
 
 _ROUNDS = 3
-"""Most times that a metric is learned for new keys, and keys are moved under it."""
+"""Most times that a metric is learned for the fewest keys so far, and keys are removed under it."""
 
-_LEAST_GAIN = 0.02
-"""Share of the error, or of the keys, that must have been gained for the metric to be learned once more."""
+_LEAST_GAIN = 0.05
+"""Share of the keys that must have been gained for the metric to be learned once more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +53,7 @@ def compress(
     kind: str | None = None,
     select: str = "optimal",
     scheme: str = "geodesic-spline",
-    family: str = "diagonal",
+    family: str | None = None,
     keep: Sequence[ArrayLike] | None = None,
     progress: Callable[[int, float], None] = lambda evaluations, value: None,
 ) -> Compressed:
@@ -73,7 +78,7 @@ def compress(
         Optional, default: "geodesic-spline".
     family : str
         As in `learn_metric`.
-        Optional, default: "diagonal".
+        Optional, default: "spd" for counts, "diagonal" for a tolerance, where the other saves hardly any keys.
     keep : sequence of array-like of int
         Frames of each that must be kept.
         Optional, default: none.
@@ -124,7 +129,9 @@ def compress(
         for i, animation in enumerate(animations)
     ]
 
-    def fit(keyframes: Sequence[np.ndarray]) -> LearnedMetric | None:
+    family = family or ("spd" if tolerance is None else "diagonal")
+
+    def fit(keyframes: Sequence[np.ndarray], family: str = family) -> LearnedMetric | None:
         """Learn a metric, if there is anything to learn from."""
         pairs = zip(animations, keyframes, strict=True)
         sparse = [(animation, kept) for animation, kept in pairs if len(kept) < animation.n_frames]
@@ -138,17 +145,23 @@ def compress(
             # what is best for all joints and frames is far quicker to find than what is best for the worst, and near
             kind="hyb" if problems[0].measure.largest else kind or "hyb",
             progress=progress,
+            rough=True,
         )
 
     plain = LearnedMetric.plain(animations[0].skeleton.joints, scheme)
-    learn: Fit = fit if scheme in LEARNED_SCHEMES else lambda keyframes: None
+    learn: Fit = fit if scheme in LEARNED_SCHEMES else lambda keyframes, family=family: None
     if select == "uniform":
         return _uniform(problems, plain, learn)
     start = [problem.under_slerp() for problem in problems]
     return (_best if tolerance is None else _fewest)(problems, start, plain, learn)
 
 
-Fit = Callable[[Sequence[np.ndarray]], LearnedMetric | None]
+class Fit(Protocol):
+    """What learns a metric."""
+
+    def __call__(self, keyframes: Sequence[np.ndarray], family: str = ...) -> LearnedMetric | None:
+        """Learn one for some keys, of the family that is wanted unless told otherwise; None if nothing turns."""
+        ...
 
 
 def _cost(problems: Sequence[KeyProblem], kept: Sequence[np.ndarray], metric: LearnedMetric) -> float:
@@ -179,14 +192,13 @@ def _uniform(problems: Sequence[KeyProblem], plain: LearnedMetric, fit: Fit) -> 
 
 def _best(problems: Sequence[KeyProblem], start: list[np.ndarray], plain: LearnedMetric, fit: Fit) -> Compressed:
     """Keep the number of keys, and make the error least."""
-    kept, metric = start, plain
-    for _ in range(_ROUNDS):
-        metric = min((metric, fit(kept) or metric), key=lambda each: _cost(problems, kept, each))
-        before = _cost(problems, kept, metric)
-        kept = _refined(problems, kept, metric)
-        if _cost(problems, kept, metric) >= (1.0 - _LEAST_GAIN) * before:
-            break
-    return Compressed(tuple(kept), metric)
+
+    def best(kept: Sequence[np.ndarray], *metrics: LearnedMetric | None) -> LearnedMetric:
+        return min((plain, *filter(None, metrics)), key=lambda metric: _cost(problems, kept, metric))
+
+    diagonal = best(start, fit(start, "diagonal"))
+    kept = _refined(problems, start, diagonal)
+    return Compressed(tuple(kept), best(kept, diagonal, fit(kept)))
 
 
 def _fewest(problems: Sequence[KeyProblem], start: list[np.ndarray], plain: LearnedMetric, fit: Fit) -> Compressed:

@@ -46,6 +46,7 @@ def learn_metric(
     tune: TuneSettings | None = None,
     progress: Callable[[int, float], None] = lambda evaluations, value: None,
     fitted: LearnedMetric | None = None,
+    rough: bool = False,
 ) -> LearnedMetric:
     r"""Learn the metric, and for a spline the tension, with which some frames of an animation rebuild it best.
 
@@ -93,6 +94,9 @@ def learn_metric(
     fitted : LearnedMetric
         What the same call with the purpose "reconstruct" has found, for "predict" to shrink.
         Optional, default: None, it is searched for.
+    rough : bool
+        Search less in the gradient search, for a metric near the best in a third of the time.
+        Optional, default: False.
 
     Returns
     -------
@@ -133,7 +137,7 @@ def learn_metric(
     joints = animations[0].skeleton.joints
     clips = [Objective(clip, kept, kind, weights, location_weight) for clip, kept in zip(animations, keys, strict=True)]
 
-    def find(objective: Learnable, settings: TuneSettings | None, rough: bool = False) -> Found:
+    def find(objective: Learnable, settings: TuneSettings | None, rough: bool = rough) -> Found:
         if search == "gradient":
             return search_gradient(objective, len(joints), family, invariance, scheme, progress, rough)
         from geomstats_anim.learning import tpe

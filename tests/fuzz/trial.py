@@ -6,6 +6,7 @@ import importlib
 import importlib.util
 import os
 import re
+import shutil
 import sys
 import tempfile
 import traceback
@@ -29,7 +30,7 @@ _UPSAMPLE = (
 _DOWNSAMPLE = (("--rate", ".5", "-o", "out.usda"), ("--tolerance", "1", "-o", "out.usdc"))
 VERBS = {
     verb: importlib.import_module(f"usd_tools.{verb}")
-    for verb in ("inspect", "upsample", "learn", "downsample", "from_bvh")
+    for verb in ("inspect", "upsample", "learn", "downsample", "compare", "from_bvh")
     if importlib.util.find_spec(f"usd_tools.{verb}")
 }
 COMMANDS = {
@@ -37,8 +38,9 @@ COMMANDS = {
     "upsample": _UPSAMPLE,
     "learn": (("--rate", ".4", "-o", "out.usda"),),
     "downsample": _DOWNSAMPLE,
+    "compare": (("--rates", ".5", "--schemes", "slerp", "geodesic-spline", "-o", "out"),),
 }
-SHARES = {"inspect": 2, "upsample": 6, "learn": 1, "downsample": 3}
+SHARES = {"inspect": 4, "upsample": 12, "learn": 2, "downsample": 6, "compare": 1}
 FROM_BVH = (("-o", "out.usda"), ("-o", "out.usdc", "--skip-first"), ("-o", "out.usdz", "--fps", "30", "--up", "Z"))
 _VERBS = [verb for verb in COMMANDS if verb in VERBS for _ in range(SHARES[verb])]
 
@@ -121,9 +123,8 @@ def perform(trial: Trial, folder: Path) -> Outcome:
             os.close(saved)
         tempfile.tempdir = None
     outcome = _judge(trial, code, (told / "err").read_text(encoding="utf-8", errors="replace"), scratch)
-    for path in Path().iterdir():
-        path.unlink()
     os.chdir(here)
+    shutil.rmtree(work)
     return outcome
 
 
@@ -146,12 +147,18 @@ def _judge(trial: Trial, code: int | str, err: str, scratch: Path) -> Outcome:
     if Path(trial.name).read_bytes() != trial.data:
         return Outcome("failed", "the input has changed")
     if code == 0:
-        if out and not Usd.Stage.Open(str(out)):
-            return Outcome("failed", "the output cannot be opened")
-        if out and out.suffix != ".usdz" and (word := re.search(rb"geomstats_anim-\w+", out.read_bytes())):
-            return Outcome("failed", f"the output names a temporary folder: {word.group()!r}")
+        for path in _written(out) if out else ():
+            if path.suffix.startswith(".usd") and not Usd.Stage.Open(str(path)):
+                return Outcome("failed", f"{path} cannot be opened")
+            if path.suffix != ".usdz" and (word := re.search(rb"geomstats_anim-\w+", path.read_bytes())):
+                return Outcome("failed", f"{path} names a temporary folder: {word.group()!r}")
         return Outcome("accepted")
     errors = [line for line in lines if line.startswith("error: ")]
     if code != 1 or len(errors) != 1 or lines[-1] != errors[0] or len(errors[0]) > 1000:
         return Outcome("failed", f"exit code {code} and not one sentence: {err[-1500:]}")
     return Outcome("refused", errors[0].removeprefix("error: "))
+
+
+def _written(out: Path) -> list[Path]:
+    """List the files of an output, which may be a folder."""
+    return [path for path in out.rglob("*") if path.is_file()] if out.is_dir() else [out]

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, UsdUtils, Vt
 from rigs import ANIMATION, DATA, JOINTS, SKELETON, bits, make_rig, random_rotations, read, set_samples, stored_metric
 
 CLIPS = sorted((DATA / "clips").glob("*.usda"))
@@ -261,9 +261,23 @@ def test_moved_in_time_it_still_comes_back(tmp_path, clip, run):
 
 def test_in_place(clip, run):
     before = read(clip)[1]
-    assert run("downsample", clip, "--in-place", "--keys", "6", *QUICK)[0] == 0
+    size, report = clip.stat().st_size, clip.parent / "report.json"
+    code, out, _ = run("downsample", clip, "--in-place", "--keys", "6", "--report", report, *QUICK)
+    assert code == 0 and f"{size} -> {clip.stat().st_size} bytes. It stands alone" in out
+    assert json.loads(report.read_text())["file_bytes_before"] == size > clip.stat().st_size
     codes, values = read(clip)
     assert len(codes) == 6 and bits(values) == bits([before[int(code)] for code in codes])
+
+
+def test_files_in_a_package_that_are_still_needed_are_told(tmp_path, clip, run):
+    (tmp_path / "skin.png").write_bytes(b"\x89PNG\r\n\x1a\n")
+    stage = Usd.Stage.Open(str(clip))
+    material = stage.DefinePrim("/Rig/Material")
+    material.CreateAttribute("inputs:file", Sdf.ValueTypeNames.Asset).Set(Sdf.AssetPath("./skin.png"))
+    stage.Save()
+    assert UsdUtils.CreateNewUsdzPackage(str(clip), str(tmp_path / "in.usdz"))
+    out = run("downsample", tmp_path / "in.usdz", "-o", tmp_path / "out.usdc", "--keys", "6", *QUICK)[1]
+    assert "It needs in.usdz too" in out
 
 
 @pytest.mark.parametrize("extension", ["usda", "usdc", "usdz"])

@@ -55,6 +55,17 @@ def test_the_metric_that_made_a_clip_is_found_with_its_keys():
 
 
 @pytest.mark.parametrize("select", ["optimal", "uniform"])
+def test_tilted_axes_are_for_counts_unless_told(select):
+    animation = swinging()
+    tilted = compress([animation], [6], select=select).metric
+    straight = compress([animation], [6], select=select, family="diagonal").metric
+    within = compress([animation], tolerance=0.05, select=select).metric
+    assert tilted.parameters.axes is not None and tilted.provenance["family"] == "spd"
+    assert straight.parameters.axes is None and within.parameters.axes is None
+    assert tilted.provenance["score"] < straight.provenance["score"]
+
+
+@pytest.mark.parametrize("select", ["optimal", "uniform"])
 @pytest.mark.parametrize("tolerance", [pytest.param(0.01, marks=pytest.mark.slow), 0.05])
 def test_tolerance_is_met_with_no_more_keys_than_slerp_needs(tolerance, select):
     animation = swinging()

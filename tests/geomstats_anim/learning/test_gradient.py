@@ -180,6 +180,16 @@ def test_progress_counts_up_and_the_best_goes_down():
     assert values[-1] == pytest.approx(found.value, rel=1e-9)
 
 
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_rough_search_is_near_the_thorough_one_with_fewer_evaluations(family):
+    objective = Objective(wandering(), KEYS)
+    thorough, rough = (search_gradient(objective, N_JOINTS, family, rough=how) for how in (False, True))
+    assert rough.evaluations < 0.6 * thorough.evaluations
+    # either may meet the better valley, so that neither is always below
+    assert rough.value == pytest.approx(thorough.value, rel=0.1)
+    assert rough.value < slerp_value(objective)
+
+
 def test_left_jacobian_against_finite_differences():
     rng = np.random.default_rng(0)
     vectors = rng.normal(size=(20, 3)) * np.array([0.0, 1e-9, 1e-5, 1e-3, 1.0]).repeat(4)[:, None]
