@@ -84,8 +84,8 @@ def summary(metric: LearnedMetric) -> str:
     if not metric.joints:
         return "no joints"
     sides = [f"{parameters.invariance.count(side)} {side}" for side in ("left", "right")]
-    families = "diagonal" if parameters.axes is None else "full"
-    words = [metric.scheme, f"{len(metric.joints)} joints ({', '.join(sides)})", families]
+    family = "diagonal" if parameters.axes is None else "spd"
+    words = [metric.scheme, f"{len(metric.joints)} joints ({', '.join(sides)})", family]
     words += [_range("alpha", parameters.alpha), _range("beta", parameters.beta)]
     if metric.tension.any():
         words.append(_range("tension", metric.tension))
