@@ -281,7 +281,7 @@ def keys() -> Figure:
         kept = uniform_keyframes(animation.n_frames, share)
         add("slerp, uniform", "slerp", kept, None)
         add("slerp, chosen", "slerp", optimal_keyframes(animation, len(kept)), None)
-        metric = learn_metric(animation, kept, scheme="geodesic-spline")
+        metric = learn_metric(animation, kept, family="spd", scheme="geodesic-spline")
         add("geodesic-spline, uniform", "geodesic-spline", kept, metric)
         both = compress([animation], counts=[len(kept)])
         add("geodesic-spline, chosen", "geodesic-spline", both.keyframes[0], both.metric)
