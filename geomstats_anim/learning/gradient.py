@@ -333,7 +333,8 @@ class _Search:
         self, diagonal: Array, diagonal_sides: tuple[str, ...], trials: Array
     ) -> tuple[Array, tuple[str, ...]]:
         """Choose the trial, shape=[n, 5], that is best for each joint's own rotation error, and its side."""
-        point, chosen, least = diagonal.copy(), list(diagonal_sides), np.full(self.n_joints, np.inf)
+        point, chosen, least = diagonal.copy(), list(diagonal_sides), np.full(self.n_joints, -np.inf)
+        least[self._turning] = np.inf  # the others keep what they have
         for number, trial in enumerate(trials):
             side = self._sides[number % len(self._sides)]
             trial_sides = diagonal_sides if self._one_side else (side,) * self.n_joints

@@ -329,6 +329,18 @@ def test_report_counts_bytes(clip, there_and_back):
     assert uniform["samples"] >= animation["kept_samples"] and uniform["bytes_usdc"] > 0
 
 
+def test_the_metric_knows_what_it_brings_each_joint(clip, there_and_back, inspected):
+    sparse, _, report = there_and_back(clip, "--rate", ".2")
+    animation = report["animations"][0]
+    degrees = {joint["joint"]: joint["degrees"]["mean"] for joint in animation["joints"]}
+    told = inspected(sparse)["animations"][0]["metric"]["by_joint"]
+    assert {one["joint"] for one in told} == set(degrees)
+    for one in told:
+        assert one["slerp_error"] - one["gain"] == pytest.approx(degrees[one["joint"]], abs=2e-4)
+    played = np.mean([one["slerp_error"] for one in told])
+    assert played == pytest.approx(animation["played"]["degrees"]["mean"], abs=1e-4)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("path", CLIPS or [pytest.param(None, marks=pytest.mark.skip(f"{DATA} is not there"))],
                          ids=lambda path: path.stem if path else "none")  # fmt: skip
