@@ -17,6 +17,9 @@ TEMPORARY = "geomstats_anim-"
 LONGEST = 400
 """Characters of what OpenUSD says: of a broken file it may list every part."""
 
+_PACKED = re.compile(r"Failed to resolve reference @\d+/")
+"""How OpenUSD, when it packs, begins to speak of files that it has packed, by their new names; those are there."""
+
 
 class ToolError(Exception):
     """Something is wrong with the input; the message is one sentence that names it and says what to do."""
@@ -61,8 +64,9 @@ def usd_warnings(messages: Messages) -> Iterator[None]:
     try:
         yield
     finally:
-        for diagnostic in delegate.TakeUncoalescedDiagnostics():
-            messages.warn(_one_line(diagnostic))
+        for line in map(_one_line, delegate.TakeUncoalescedDiagnostics()):
+            if not _PACKED.match(line):
+                messages.warn(line)
 
 
 def run(command: Callable[[], int]) -> int:
