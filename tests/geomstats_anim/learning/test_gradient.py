@@ -185,7 +185,7 @@ def test_progress_counts_up_and_the_best_goes_down():
 def test_a_rough_search_is_near_the_thorough_one_with_fewer_evaluations(family):
     objective = Objective(wandering(), KEYS)
     thorough, rough = (search_gradient(objective, N_JOINTS, family, rough=how) for how in (False, True))
-    assert rough.evaluations < 0.6 * thorough.evaluations
+    assert rough.evaluations < 0.75 * thorough.evaluations  # 0.58 and 0.45 here; other processors round otherwise
     # either may meet the better valley, so that neither is always below
     assert rough.value == pytest.approx(thorough.value, rel=0.1)
     assert rough.value < slerp_value(objective)
