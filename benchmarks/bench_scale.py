@@ -10,14 +10,12 @@ exponent 1.
 from __future__ import annotations
 
 import argparse
-import os
-import subprocess
 import sys
 import tempfile
 from math import log2
 from pathlib import Path
 
-from bench_usd import IMPORTS, ROOT, make_elsewhere
+from bench_usd import IMPORTS, make_elsewhere, run_python
 
 SIZES = ((20_000, 70, "samples"), (300, 2_000, "joints"))
 """Samples, joints, and which of them is halved."""
@@ -45,7 +43,7 @@ def main() -> None:
     table = Table(
         "command", "samples x joints", "half", "full", "exponent", "half MiB", "full MiB", "exponent", title=title
     )
-    base_seconds, base_memory = _measure(IMPORTS)
+    base_seconds, base_memory = run_python(IMPORTS)[1:]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         warm, out = folder / "warm.usdc", folder / "out.usdc"
@@ -79,17 +77,7 @@ def main() -> None:
 
 def _run(command: str, clip: Path, out: Path) -> tuple[float, float]:
     verb, *words = command.format(clip=clip, out=out).split()
-    return _measure(["-m", f"usd_tools.{verb}", *words])
-
-
-def _measure(arguments: list[str]) -> tuple[float, float]:
-    """Processor seconds and peak MiB of a run of Python."""
-    process = subprocess.Popen([sys.executable, *arguments], cwd=ROOT, stdout=subprocess.DEVNULL)
-    _, status, usage = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode:
-        raise SystemExit(f"{' '.join(arguments)} ended with exit code {process.returncode}.")
-    return usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024.0
+    return run_python(["-m", f"usd_tools.{verb}", *words])[1:]
 
 
 if __name__ == "__main__":

@@ -14,25 +14,36 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
 DATA = ROOT.parent / "shared" / "data"
 IMPORTS = ["-c", "import geomstats_anim; from pxr import Usd, UsdGeom, UsdSkel, UsdUtils"]
 
 
+class Used(NamedTuple):
+    """What a run took: seconds on the clock, seconds of all processors, and MiB at most."""
+
+    seconds: float
+    processor_seconds: float
+    mib: float
+
+
+def run_python(arguments: list[str]) -> Used:
+    """Run Python in a process of its own."""
+    start = time.perf_counter()
+    process = subprocess.Popen([sys.executable, *arguments], cwd=ROOT, stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        raise SystemExit(f"{' '.join(arguments)} ended with exit code {process.returncode}.")
+    return Used(time.perf_counter() - start, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024.0)
+
+
 def measure(arguments: list[str], runs: int = 5) -> tuple[float, float]:
     """Seconds of the fastest of some runs of Python, and the largest memory of any, in MiB."""
-    seconds, kibibytes = [], []
-    for _ in range(runs):
-        start = time.perf_counter()
-        process = subprocess.Popen([sys.executable, *arguments], cwd=ROOT, stdout=subprocess.DEVNULL)
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        if process.returncode:
-            raise SystemExit(f"{' '.join(arguments)} ended with exit code {process.returncode}.")
-        seconds.append(time.perf_counter() - start)
-        kibibytes.append(usage.ru_maxrss)
-    return min(seconds), max(kibibytes) / 1024.0
+    used = [run_python(arguments) for _ in range(runs)]
+    return min(each.seconds for each in used), max(each.mib for each in used)
 
 
 def make_clip(path: Path, n_frames: int, n_joints: int, seed: int = 0) -> None:

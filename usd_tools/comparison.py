@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from geomstats_anim import SCHEMES, Animation, LearnedMetric, MetricParameters, quality, uniform_keyframes
+from geomstats_anim import SCHEMES, Animation, LearnedMetric, quality, uniform_keyframes
 from geomstats_anim import rotations as quat
 from geomstats_anim.learning.gradient import FAMILIES
 from geomstats_anim.learning.learn import PURPOSES, STILL, learn_metric
@@ -294,7 +294,7 @@ def _learned(
     if purpose != PURPOSES[0] and sum(len(kept) - 1 for kept in keys) < 2:
         # a segment alone cannot tell how to predict
         joints = stretches[0].skeleton.joints
-        return LearnedMetric(joints, MetricParameters.identity(len(joints)), scheme=contender.scheme), 0.0
+        return LearnedMetric.plain(joints, contender.scheme), 0.0
     fitted, seconds = None, 0.0
     if purpose != PURPOSES[0]:
         fitted, seconds = _learned(take, rate, contender, first_half, kind, PURPOSES[0])

@@ -15,7 +15,7 @@ from geomstats_anim.learning.tpe import TuneSettings
 from geomstats_anim.parameters import CurveParameters
 from geomstats_anim.quality import rotation_errors
 from usd_tools.errors import ToolError
-from usd_tools.metric_meaning import BY_JOINT
+from usd_tools.metric_meaning import BY_JOINT, errors_by_joint
 from usd_tools.takes import Take
 
 PAPERS_RATE = 0.3
@@ -237,11 +237,11 @@ def _provenance(
     files = list(dict.fromkeys((take.file, take.sha256) for take in takes))
     names, sums = [file for file, _ in files], [sha256 for _, sha256 in files]
     unseen = [score for score in scores if not score.in_sample]
-    by_joint: dict[str, list[Any]] = {
-        "joints": [error.joint for error in joints],
-        "degrees": [error.learned for error in joints],
-        "slerp_degrees": [error.slerp for error in joints],
-    }
+    by_joint = errors_by_joint(
+        [error.joint for error in joints],
+        np.array([error.learned for error in joints]),
+        np.array([error.slerp for error in joints]),
+    )
     if shrinkage:
         by_joint["shrinkage"] = [shrinkage[error.joint] for error in joints]
     return {

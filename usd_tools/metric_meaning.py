@@ -11,6 +11,7 @@ import numpy as np
 from geomstats_anim import LearnedMetric
 from geomstats_anim import rotations as quat
 from geomstats_anim.learning.assessment import Score
+from geomstats_anim.rotations import Array
 
 BY_JOINT = "by_joint"
 """Entry of the provenance with one list a column: joints by name, since metrics are reordered and provenance is not."""
@@ -141,8 +142,26 @@ def joint_meanings(metric: LearnedMetric) -> list[JointMeaning]:
     return sorted(meanings, key=lambda one: (not one.matters, -(one.gain or 0.0), -one.ratio))
 
 
+def errors_by_joint(joints: Sequence[str], degrees: Array, slerp_degrees: Array) -> dict[str, list[Any]]:
+    """Make the entry `BY_JOINT` of a metric's provenance: mean rotation errors of the joints that slerp does not find.
+
+    Parameters
+    ----------
+    joints : sequence of str
+    degrees, slerp_degrees : array-like, shape=[B]
+        With the metric, and by slerp between the same samples.
+    """
+    degrees, slerp_degrees = np.round(degrees, 4), np.round(slerp_degrees, 4)
+    off = np.flatnonzero(slerp_degrees)
+    return {
+        "joints": [joints[joint] for joint in off],
+        "degrees": degrees[off].tolist(),
+        "slerp_degrees": slerp_degrees[off].tolist(),
+    }
+
+
 def _known_errors(provenance: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
-    """Gain and slerp's error of each joint; empty if nobody has stored them, or not as `learn` does."""
+    """Gain and slerp's error of each joint; empty if nobody has stored them, or not as `errors_by_joint` says."""
     try:
         stored = provenance[BY_JOINT]
         columns = (stored[name] for name in ("joints", "degrees", "slerp_degrees"))

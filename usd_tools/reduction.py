@@ -18,7 +18,7 @@ from geomstats_anim.quality import location_errors
 from usd_tools.errors import Messages, ToolError
 from usd_tools.files import open_stage
 from usd_tools.metric_attributes import read_metric, read_source_codes
-from usd_tools.metric_meaning import BY_JOINT
+from usd_tools.metric_meaning import BY_JOINT, errors_by_joint
 from usd_tools.skel_reader import SkelClip, find_animations, read_clip
 from usd_tools.sparse import Errors, Thinning, aligned, restored
 from usd_tools.time_codes import TimeCodes
@@ -224,8 +224,6 @@ def _provenance(
     path: Path, clip: SkelClip, sparse: SkelClip, metric: LearnedMetric, errors: Errors, played: Errors
 ) -> dict[str, Any]:
     """Tell where a metric comes from, and what it rebuilds."""
-    degrees, slerp_degrees = (each.degrees.mean(axis=0).round(4) for each in (errors, played))
-    off = np.flatnonzero(slerp_degrees)
     return {
         "version": __version__,
         "purpose": "reconstruct",
@@ -239,11 +237,7 @@ def _provenance(
         "source_range": [float(clip.codes[0]), float(clip.codes[-1])],
         "mean_degrees": round(float(errors.degrees.mean()), 6) if errors.degrees.size else 0.0,
         "largest_centimetres": round(float(errors.centimetres.max(initial=0.0)), 6),
-        BY_JOINT: {
-            "joints": [errors.joints[joint] for joint in off],
-            "degrees": degrees[off].tolist(),
-            "slerp_degrees": slerp_degrees[off].tolist(),
-        },
+        BY_JOINT: errors_by_joint(errors.joints, errors.degrees.mean(axis=0), played.degrees.mean(axis=0)),
     }
 
 

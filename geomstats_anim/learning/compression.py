@@ -164,9 +164,16 @@ class Fit(Protocol):
         ...
 
 
-def _cost(problems: Sequence[KeyProblem], kept: Sequence[np.ndarray], metric: LearnedMetric) -> float:
-    pairs = zip(problems, kept, strict=True)
-    return sum(float(problem.judge(metric.scheme, metric)(keys).sum()) for problem, keys in pairs)
+def _cheapest(
+    problems: Sequence[KeyProblem], kept: Sequence[np.ndarray], *metrics: LearnedMetric | None
+) -> LearnedMetric:
+    """Choose the metric with the least sum of costs; None is where nothing was learned."""
+
+    def cost(metric: LearnedMetric) -> float:
+        pairs = zip(problems, kept, strict=True)
+        return sum(float(problem.judge(metric.scheme, metric)(keys).sum()) for problem, keys in pairs)
+
+    return min(filter(None, metrics), key=cost)
 
 
 def _uniform(problems: Sequence[KeyProblem], plain: LearnedMetric, fit: Fit) -> Compressed:
@@ -182,8 +189,7 @@ def _uniform(problems: Sequence[KeyProblem], plain: LearnedMetric, fit: Fit) -> 
         kept = [
             uniform_keyframes(each.animation.n_frames, (each.count or 2) / each.animation.n_frames) for each in problems
         ]
-        metric = fit(kept) or plain
-        return Compressed(tuple(kept), min(plain, metric, key=lambda each: _cost(problems, kept, each)))
+        return Compressed(tuple(kept), _cheapest(problems, kept, plain, fit(kept)))
     most = max(problem.animation.n_frames for problem in problems)
     kept = at(by_halving(lambda count: fits(at(count / most), plain), 1, most) / most)
     metric = fit(kept) or plain
@@ -192,13 +198,9 @@ def _uniform(problems: Sequence[KeyProblem], plain: LearnedMetric, fit: Fit) -> 
 
 def _best(problems: Sequence[KeyProblem], start: list[np.ndarray], plain: LearnedMetric, fit: Fit) -> Compressed:
     """Keep the number of keys, and make the error least."""
-
-    def best(kept: Sequence[np.ndarray], *metrics: LearnedMetric | None) -> LearnedMetric:
-        return min((plain, *filter(None, metrics)), key=lambda metric: _cost(problems, kept, metric))
-
-    diagonal = best(start, fit(start, "diagonal"))
+    diagonal = _cheapest(problems, start, plain, fit(start, "diagonal"))
     kept = _refined(problems, start, diagonal)
-    return Compressed(tuple(kept), best(kept, diagonal, fit(kept)))
+    return Compressed(tuple(kept), _cheapest(problems, kept, plain, diagonal, fit(kept)))
 
 
 def _fewest(problems: Sequence[KeyProblem], start: list[np.ndarray], plain: LearnedMetric, fit: Fit) -> Compressed:

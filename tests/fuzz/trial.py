@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import os
 import re
 import shutil
@@ -31,7 +30,6 @@ _DOWNSAMPLE = (("--rate", ".5", "-o", "out.usda"), ("--tolerance", "1", "-o", "o
 VERBS = {
     verb: importlib.import_module(f"usd_tools.{verb}")
     for verb in ("inspect", "upsample", "learn", "downsample", "compare", "from_bvh")
-    if importlib.util.find_spec(f"usd_tools.{verb}")
 }
 COMMANDS = {
     "inspect": ((), ("--json",)),
@@ -42,7 +40,7 @@ COMMANDS = {
 }
 SHARES = {"inspect": 4, "upsample": 12, "learn": 2, "downsample": 6, "compare": 1}
 FROM_BVH = (("-o", "out.usda"), ("-o", "out.usdc", "--skip-first"), ("-o", "out.usdz", "--fps", "30", "--up", "Z"))
-_VERBS = [verb for verb in COMMANDS if verb in VERBS for _ in range(SHARES[verb])]
+_VERBS = [verb for verb in COMMANDS for _ in range(SHARES[verb])]
 
 
 @dataclass(frozen=True)
@@ -88,7 +86,7 @@ def warm_up(folder: Path) -> None:
     for verb, several in {**COMMANDS, "from_bvh": FROM_BVH}.items():
         suffix = ".bvh" if verb == "from_bvh" else ".usda"
         for number, data in enumerate(good[suffix]):
-            for options in several if verb in VERBS else ():
+            for options in several:
                 perform(Trial(number, suffix, data, verb, options), folder)
 
 

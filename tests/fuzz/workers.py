@@ -159,26 +159,26 @@ def _bury(
 
 def _slow_alone(trial: Trial) -> str:
     """Tell whether OpenUSD alone takes long with the file too."""
-    done = _again(trial, lambda path, out: ["-c", PLAIN, path, out]) if trial.suffix != ".bvh" else None
+    done = _again(trial, PATIENCE / 2.0, lambda path, out: ["-c", PLAIN, path, out]) if trial.suffix != ".bvh" else None
     return f"alone it takes more than {PATIENCE / 2.0:g} s too" if done == "" else ""
 
 
 def _last_line(trial: Trial) -> str:
     """Line of ours that a crash happened in, unless it may be in what we compile ourselves."""
-    last = _again(trial, lambda path, out: ["-c", TRACED, out, trial.verb, path, *trial.options]) or ""
+    command = ["-c", TRACED]
+    last = _again(trial, 10.0 * PATIENCE, lambda path, out: [*command, out, trial.verb, path, *trial.options]) or ""
     return "" if "/geomstats_anim/" in last else last.rpartition("/")[2].strip()
 
 
-def _again(trial: Trial, arguments: Callable[[str, str], list[str]]) -> str | None:
+def _again(trial: Trial, seconds: float, arguments: Callable[[str, str], list[str]]) -> str | None:
     """Run Python on a trial's file; what it wrote to its second file, "" if it takes too long, None if nothing."""
     with tempfile.TemporaryDirectory() as folder:
         path, out = Path(folder) / trial.name, Path(folder) / "told.usda"
         path.write_bytes(trial.data)
         command = [sys.executable, *arguments(str(path), str(out))]
         here = {**os.environ, "PYTHONPATH": os.getcwd()}
-        limit = PATIENCE / 2.0 if PLAIN in command else 10.0 * PATIENCE
         try:
-            subprocess.run(command, capture_output=True, cwd=folder, env=here, timeout=limit)
+            subprocess.run(command, capture_output=True, cwd=folder, env=here, timeout=seconds)
         except subprocess.TimeoutExpired:
             return ""
         return out.read_text(errors="replace") if out.exists() else None

@@ -27,11 +27,16 @@ def _call(python, *arguments):
     return subprocess.run([python, *map(str, arguments)], capture_output=True, text=True, check=False)
 
 
-def blender(script, source, out, *arguments):
-    """Run a script of tests/blender; return the path that it wrote, or the arrays in it. Skip where there is no bpy."""
+def call_blender(script, *arguments):
+    """Run a script in a Python that has bpy, and return how it ended. Skip where there is none."""
     python = python_with_blender()
     if python is None:
         pytest.skip("Blender is not there: pip install -e '.[blender]', or name a Python with bpy in BLENDER_PYTHON")
-    done = _call(python, TESTS / "blender" / script, source, out, *arguments)
+    return _call(python, script, *arguments)
+
+
+def blender(script, source, out, *arguments):
+    """Run a script of tests/blender; return the path that it wrote, or the arrays in it. Skip where there is no bpy."""
+    done = call_blender(TESTS / "blender" / script, source, out, *arguments)
     assert done.returncode == 0 and out.exists(), done.stdout + done.stderr
     return dict(np.load(out)) if out.suffix == ".npz" else out

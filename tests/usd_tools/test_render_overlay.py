@@ -6,29 +6,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from blender import python_with_blender
+from blender import call_blender
 from rigs import make_rig, random_rotations
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 pytestmark = pytest.mark.slow
 
 
-@pytest.fixture
-def render():
+def render(*arguments):
     """Call the script; give its exit code and what it says."""
-    python = python_with_blender()
-    if python is None:
-        pytest.skip("Blender is not there")
-
-    def call(*arguments):
-        command = [python, EXAMPLES / "render_overlay.py", *arguments]
-        done = subprocess.run([*map(str, command)], capture_output=True, text=True, check=False)
-        return done.returncode, done.stdout + done.stderr
-
-    return call
+    done = call_blender(EXAMPLES / "render_overlay.py", *arguments)
+    return done.returncode, done.stdout + done.stderr
 
 
-def test_renders_a_scheme_over_the_original(tmp_path, run, render):
+def test_renders_a_scheme_over_the_original(tmp_path, run):
     pytest.importorskip("matplotlib", reason="reading the picture needs matplotlib")
     from matplotlib.image import imread
 
@@ -49,7 +40,7 @@ def test_renders_a_scheme_over_the_original(tmp_path, run, render):
     assert greenish[:, 150:].sum() > 200 and not greenish[:, :120].any()
 
 
-def test_says_what_it_cannot_render(tmp_path, render):
+def test_says_what_it_cannot_render(tmp_path):
     make_rig(tmp_path / "bones.usda", codes=range(3), rotations=random_rotations(3, 3))
     code, words = render(tmp_path / "bones.usda", tmp_path / "bones.usda", "-o", tmp_path / "overlay.png")
     assert code == 1 and "has no skinned mesh" in words
