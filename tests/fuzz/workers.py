@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
+import faulthandler
 import json
-import mmap
 import os
+import re
 import resource
 import select
 import signal
-import sys
 import tempfile
 import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from types import FrameType
 
 from pxr import Usd
 
@@ -26,6 +25,9 @@ PATIENCE = 10.0
 MEMORY = 8 << 30
 """Bytes of address space: more is a failure, and must not be the machine's."""
 
+FAULT = "fault"
+"""File with the lines of Python that a crash happened in."""
+
 RECYCLED = 1000
 """Trials before a worker is replaced."""
 
@@ -35,11 +37,9 @@ class _Worker:
         self.numbers = numbers
         self.folder = tempfile.TemporaryDirectory()
         self.pipe, theirs = os.pipe()
-        self._line = mmap.mmap(-1, 512)
         self.pid = os.fork()
         if self.pid == 0:
             os.close(self.pipe)
-            sys.settrace(partial(_trace, self._line))
             _serve(trials, numbers, Path(self.folder.name), theirs)
             os._exit(0)
         os.close(theirs)
@@ -59,30 +59,22 @@ class _Worker:
         fields = Path(f"/proc/{self.pid}/stat").read_text().rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
-    def last_line(self) -> str:
-        """Line of ours that it was last in, unless that may be in what we compile ourselves, in geomstats_anim."""
-        line = self._line[:].decode(errors="replace").strip("\0 ")
-        return "" if "/geomstats_anim/" in line else line.rpartition("/")[2]
-
-    def end(self) -> int:
-        """Wait for it and give its signal."""
+    def end(self) -> tuple[int, str]:
+        """Wait for it; give its signal and the innermost line of Python then, if it is one that calls OpenUSD."""
         _, status = os.waitpid(self.pid, 0)
         os.close(self.pipe)
+        fault = (Path(self.folder.name) / FAULT).read_text(errors="replace")
         self.folder.cleanup()
-        return os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
-
-
-def _trace(line: mmap.mmap, frame: FrameType, event: str, argument: object) -> Callable[..., object] | None:
-    name = frame.f_code.co_filename
-    if "/usd_tools/" not in name and "/geomstats_anim/" not in name:
-        return None
-    line[:] = f"{name}:{frame.f_lineno}".encode()[:512].ljust(512)
-    return partial(_trace, line)
+        line = re.search(r'File "(.*?)", line (\d+)', fault)
+        # pxr has little Python of its own, and usd_tools nothing that is compiled
+        ours = line and re.search("/(usd_tools|pxr)/", line[1])
+        return os.WTERMSIG(status), f"{Path(line[1]).name}:{line[2]}" if line and ours else ""
 
 
 def _serve(trials: Trials, numbers: list[int], folder: Path, pipe: int) -> None:
     try:
         _limit()
+        faulthandler.enable((folder / FAULT).open("w"))
         for number in numbers:
             outcome = perform(trials[number], folder)
             os.write(pipe, json.dumps([number, outcome.result, outcome.words[:4000]]).encode() + b"\n")
@@ -102,6 +94,23 @@ def run(trials: Trials, numbers: list[int], n_workers: int, told: Callable[[Tria
         Told of each outcome.
     """
     assert len(os.listdir("/proc/self/task")) == 1, "a process with threads must not fork"
+    hung: set[int] = set()
+
+    def bury(worker: _Worker, stopped: bool) -> None:
+        """Take the dead worker's trial for the cause, and let others do the rest."""
+        ended_by, line = worker.end()
+        if not worker.numbers:
+            return
+        number, *rest = worker.numbers
+        waiting.extend([rest] if rest else [])
+        if stopped and number not in hung:
+            hung.add(number)
+            waiting.append([number])  # a busy machine may be slow once
+            return
+        where = _slow_alone(trials[number]) if stopped else line
+        how = f"hangs for {PATIENCE:g} s" if stopped else f"dies of signal {ended_by}"
+        told(trials[number], Outcome("USD" if where else "failed", f"{how}; in OpenUSD: {where or 'not for sure'}"))
+
     waiting = [numbers[k : k + RECYCLED] for k in range(0, len(numbers), RECYCLED)][::-1]
     workers: dict[int, _Worker] = {}
     while waiting or workers:
@@ -120,31 +129,11 @@ def run(trials: Trials, numbers: list[int], n_workers: int, told: Callable[[Tria
                 told(trials[number], Outcome(result, words))
                 worker.numbers.remove(number)
             if not data:
-                _bury(trials, workers.pop(pipe), waiting, told)
+                bury(workers.pop(pipe), stopped=False)
         for pipe, worker in list(workers.items()):
             if worker.hangs():
                 os.kill(worker.pid, signal.SIGKILL)
-                _bury(trials, workers.pop(pipe), waiting, told, hung=True)
-
-
-def _bury(
-    trials: Trials,
-    worker: _Worker,
-    waiting: list[list[int]],
-    told: Callable[[Trial, Outcome], None],
-    hung: bool = False,
-) -> None:
-    """Take the dead worker's trial for the cause, and let others do the rest."""
-    ended_by = worker.end()
-    if not worker.numbers:
-        return
-    number, *rest = worker.numbers
-    trial = trials[number]
-    where = _slow_alone(trial) if hung else worker.last_line()
-    how = f"hangs for {PATIENCE:g} s" if hung else f"dies of signal {ended_by}"
-    told(trial, Outcome("USD" if where else "failed", f"{how}; in OpenUSD: {where or 'not for sure'}"))
-    if rest:
-        waiting.append(rest)
+                bury(workers.pop(pipe), stopped=True)
 
 
 def _slow_alone(trial: Trial) -> str:
