@@ -48,6 +48,7 @@ def _one_line(diagnostic: Any) -> str:
         text = diagnostic.commentary
     except UnicodeDecodeError as error:  # it quotes a file that is not UTF-8
         text = error.object.decode(errors="replace")
+    text = text[: 100 * LONGEST]  # it may be a gigabyte long
     # Addresses in memory and temporary folders differ from run to run, and say nothing to a user.
     meaningless = (
         r"\(instantiating stage on stage .*?>\)|<0x[0-9a-f]+>|pxrInternal_\w+?__(pxrReserved___)?(::)?"

@@ -94,7 +94,7 @@ def run(trials: Trials, numbers: list[int], n_workers: int, told: Callable[[Tria
         Told of each outcome.
     """
     assert len(os.listdir("/proc/self/task")) == 1, "a process with threads must not fork"
-    hung: set[int] = set()
+    hung: list[int] = []
 
     def bury(worker: _Worker, stopped: bool) -> None:
         """Take the dead worker's trial for the cause, and let others do the rest."""
@@ -103,9 +103,9 @@ def run(trials: Trials, numbers: list[int], n_workers: int, told: Callable[[Tria
             return
         number, *rest = worker.numbers
         waiting.extend([rest] if rest else [])
-        if stopped and number not in hung:
-            hung.add(number)
-            waiting.append([number])  # a busy machine may be slow once
+        if stopped and hung.count(number) < 2:
+            hung.append(number)
+            waiting.append([number])  # others may keep the machine busy
             return
         where = _slow_alone(trials[number]) if stopped else line
         how = f"hangs for {PATIENCE:g} s" if stopped else f"dies of signal {ended_by}"
@@ -140,7 +140,7 @@ def _slow_alone(trial: Trial) -> str:
     """Tell whether most of a command's time is OpenUSD's: both run again, the better of two times."""
     if trial.suffix == ".bvh":
         return ""
-    whole, alone = (min(_seconds(partial(job, trial)) for _ in range(2)) for job in (perform, _read))
+    alone, whole = (min(_seconds(partial(job, trial)) for _ in range(2)) for job in (_read, perform))
     return f"alone it takes {alone:.1f} of {whole:.1f} s" if alone > 0.5 * whole else ""
 
 
