@@ -14,6 +14,7 @@ from usd_tools.selection import selected
 from usd_tools.skel_reader import SkelClip, find_animations, read_clip
 from usd_tools.skel_writer import TOOL
 from usd_tools.takes import Take, aligned, difference, take_of
+from usd_tools.time_codes import left_sparse
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,7 @@ def read_clips(path: Path, prims: Sequence[str], messages: Messages) -> list[Ske
     except ToolError as error:
         raise ToolError(str(error) if str(path) in str(error) else f"{path}: {error}") from error
     for clip in clips:
-        for note in clip.notes:
+        for note in (*clip.notes, *filter(None, [left_sparse(clip)])):
             messages.warn(note)
     return clips
 

@@ -21,7 +21,7 @@ from usd_tools.metric_attributes import read_metric, read_source_codes
 from usd_tools.metric_meaning import BY_JOINT, errors_by_joint
 from usd_tools.skel_reader import SkelClip, find_animations, read_clip
 from usd_tools.sparse import Errors, Thinning, aligned, restored
-from usd_tools.time_codes import TimeCodes
+from usd_tools.time_codes import TimeCodes, left_sparse
 
 _ROUNDING = 1e-2
 """Share of a tolerance that is left to the rounding of what is written, at most."""
@@ -136,7 +136,7 @@ def reduce_clip(
         If it cannot be done as wanted.
     """
     clip = aligned(clip)
-    for note in clip.notes:
+    for note in (*clip.notes, *filter(None, [left_sparse(clip)])):
         messages.warn(note)
     if not (clip.is_animated and clip.joints):
         return None
@@ -211,7 +211,8 @@ def _counts(animations: Sequence[Animation], wanted: Wanted, keep: list[np.ndarr
         if not least.sum() <= wanted.keys <= n_frames.sum():
             raise ValueError(
                 f"--keys is {wanted.keys}, but {least.sum()} of {n_frames.sum()} samples must stay: the ends of "
-                f"stretches and holds, and those of --keep; say {least.sum()} to {n_frames.sum()}."
+                f"stretches and holds, and those of --keep; say {least.sum()} to {n_frames.sum()}, or "
+                "choose animations with --prim."
             )
         while counts.sum() != wanted.keys:  # rounding, and what must stay
             step = 1 if counts.sum() < wanted.keys else -1

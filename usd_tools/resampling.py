@@ -66,7 +66,7 @@ def with_codes(clip: SkelClip, codes: np.ndarray, spacing: float | None = None) 
 
 
 def at_rate(clip: SkelClip, rate: float) -> np.ndarray:
-    """Time codes of the samples of a clip, and others at a steady rate from the first one on.
+    """Time codes of the samples of a clip, and others at a steady rate: the whole frames of that rate.
 
     Parameters
     ----------
@@ -79,8 +79,8 @@ def at_rate(clip: SkelClip, rate: float) -> np.ndarray:
     codes : array-like, shape=[F]
     """
     spacing = clip.codes_per_second / rate
-    n_steps = int(np.floor((clip.codes[-1] - clip.codes[0]) / spacing * (1.0 + SNAP)))
-    return with_codes(clip, clip.codes[0] + spacing * np.arange(1, n_steps + 1), spacing)
+    frames = np.arange(np.ceil(clip.codes[0] / spacing), np.floor(clip.codes[-1] / spacing) + 1.0)
+    return with_codes(clip, frames * spacing, spacing)
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,6 +14,7 @@ from geomstats_anim.animation import default_bone_ends
 from geomstats_anim.rotations import IDENTITY, normalize
 from usd_tools.channels import VALUE_CLIPS, Channel, read_channel, step_pairs
 from usd_tools.errors import ToolError
+from usd_tools.variants import chosen_variants
 
 JOINT_CHANNELS = ("rotations", "translations", "scales")
 """Channels of which every joint has one element."""
@@ -235,16 +236,19 @@ def read_clip(source: AnimationSource) -> SkelClip:
         _check_times(source.path, channel.codes, rate)
     units = UsdGeom.GetStageMetersPerUnit(stage)
     first_code = min((channel.codes[0] for channel in channels.values() if len(channel.codes)), default=None)
-    scales = [_world_scale(skeleton, first_code) * units for skeleton in source.skeletons] or [units]
-    if not np.allclose(scales, scales[0], rtol=1e-3, atol=0.0, equal_nan=True):
-        notes.append(
-            f"{source.path} drives skeletons of different scales; lengths are those of {source.skeletons[0].GetPath()}."
-        )
-    if not (np.isfinite(scales[0]) and scales[0] > 0.0):
-        notes.append(f"{source.path}: {scales[0]:g} is no length for a unit of the file; one metre is taken.")
-        scales[0] = 1.0
+    if len(source.skeletons) > 1:
+        source, alike = _largest_first(source, first_code)
+        if not alike:
+            largest = source.skeletons[0].GetPath()
+            notes.append(
+                f"{source.path} drives skeletons of different sizes; lengths are those of the largest, {largest}."
+            )
+    scale = (_world_scale(source.skeletons[0], first_code) if source.skeletons else 1.0) * units
+    if not (np.isfinite(scale) and scale > 0.0):
+        notes.append(f"{source.path}: {scale:g} is no length for a unit of the file; one metre is taken.")
+        scale = 1.0
     try:
-        skeleton, columns, has_rest = _skeleton(source, joints, channels, scales[0])
+        skeleton, columns, has_rest = _skeleton(source, joints, channels, scale)
     except ValueError as error:
         raise ToolError(f"{source.path} has a skeleton that cannot be used: {error}") from error
 
@@ -252,7 +256,7 @@ def read_clip(source: AnimationSource) -> SkelClip:
     if joints and any(name in channels for name in JOINT_CHANNELS):
         rest = {
             "rotations": skeleton.rest_rotations[columns],
-            "translations": skeleton.rest_translations[columns] / scales[0],
+            "translations": skeleton.rest_translations[columns] / scale,
             "scales": np.ones((len(joints), 3)),
         }
         absent = [name for name in JOINT_CHANNELS if name not in channels and not _is_blocked(prim, name)]
@@ -266,6 +270,11 @@ def read_clip(source: AnimationSource) -> SkelClip:
             f"{source.path} has no joint of {source.skeletons[0].GetPath()}, which it drives, so nothing moves in "
             f"viewers; {joints[0]} is none of {', '.join(own[:3])}{'' if len(own) <= 3 else ' and others'}."
         )
+    if any(channel.is_animated for channel in channels.values()):
+        notes += [
+            f"{source.path} is of the variant {variant}; samples in the output hide those of its other variants."
+            for variant in chosen_variants(prim)
+        ]
     notes += [
         f"{source.path}: {name} come from value clips; samples in the output hide them."
         for name, channel in channels.items()
@@ -278,7 +287,7 @@ def read_clip(source: AnimationSource) -> SkelClip:
         columns,
         channels,
         missing,
-        scales[0],
+        scale,
         rate,
         tuple(notes),
     )
@@ -323,6 +332,17 @@ def _world_scale(skeleton: Usd.Prim, code: float | None) -> float:
     time = Usd.TimeCode.EarliestTime() if code is None else Usd.TimeCode(code)
     matrix = UsdGeom.Imageable(skeleton).ComputeLocalToWorldTransform(time)
     return float(np.cbrt(abs(matrix.GetDeterminant3())))
+
+
+def _largest_first(source: AnimationSource, code: float | None) -> tuple[AnimationSource, bool]:
+    """Put the skeleton with the longest bones first, as errors in it are the largest; and tell if all are alike."""
+    scales = np.array([_world_scale(skeleton, code) for skeleton in source.skeletons])
+    rests = [_rest_pose(UsdSkel.Skeleton(prim), len(names_in(prim, "joints"))) for prim in source.skeletons]
+    bones = [np.nan if rest is None else np.linalg.norm(rest[0], axis=-1).sum() for rest in rests]
+    sizes = np.nan_to_num(scales * (np.ones(len(rests)) if np.isnan(bones).any() else bones), posinf=0.0)
+    largest = source.skeletons[int(np.argmax(sizes > 0.999 * sizes.max()))]
+    others = tuple(prim for prim in source.skeletons if prim != largest)
+    return replace(source, skeletons=(largest, *others)), bool(np.allclose(sizes, sizes[0], rtol=1e-3, atol=0.0))
 
 
 def _skeleton(

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from usd_tools.errors import ToolError
+from usd_tools.errors import Messages, ToolError
 from usd_tools.metric_attributes import read_source_codes
 from usd_tools.skel_reader import SkelClip
 
@@ -46,21 +47,72 @@ class TimeCodes:
         Raises
         ------
         ToolError
-            If it does not remember its source's.
+            If it does not remember its source's, or its samples are elsewhere now.
         """
         if self._codes is not None:
             return self._codes
-        codes = read_source_codes(clip.source.prim)
-        if codes is None:
+        remembered = _remembered(clip)
+        if remembered is None:
             raise ToolError(
                 f"--times {SOURCE}: {clip.path} does not say where its source had samples; usd_tools.downsample writes "
                 "that, or give the time codes."
             )
-        # a layer offset moves samples, and not the numbers of an attribute: both keep the first and the last sample
-        first, last = clip.codes[0], clip.codes[-1]
-        if (codes[0], codes[-1]) == (first, last) or codes[-1] == codes[0]:
-            return codes
-        return np.clip(first + (codes - codes[0]) * ((last - first) / (codes[-1] - codes[0])), first, last)
+        codes, n_found = remembered
+        if n_found <= len(clip.codes) / 2.0:
+            raise ToolError(
+                f"--times {SOURCE}: {n_found} of the {len(clip.codes)} samples of {clip.path} are where "
+                "usd_tools.downsample left them; give the time codes."
+            )
+        return codes
+
+
+def remembering(clips: Sequence[SkelClip], messages: Messages) -> list[SkelClip]:
+    """Clips that say where their source had samples; all of them if none does, which is an error to be told later.
+
+    Parameters
+    ----------
+    clips : sequence of SkelClip
+    messages : Messages
+        Told of the others.
+    """
+    found = [clip for clip in clips if read_source_codes(clip.source.prim) is not None]
+    for clip in clips:
+        if found and clip not in found:
+            messages.warn(f"{clip.path} does not say where its source had samples, so it is left as it is.")
+    return found or list(clips)
+
+
+def left_sparse(clip: SkelClip) -> str | None:
+    """Sentence about an animation that `usd_tools.downsample` made sparse and nobody has rebuilt; None for others."""
+    remembered = _remembered(clip)
+    n_kept = min((len(channel.codes) for channel in clip.channels.values() if channel.is_animated), default=0)
+    if remembered is None or len(remembered[0]) <= n_kept:
+        return None
+    return (
+        f"{clip.path} is sparse: it keeps {n_kept} of {len(remembered[0])} samples, only these are looked at, "
+        "and with another metric the rest cannot be rebuilt; run usd_tools.upsample --times source first."
+    )
+
+
+def _remembered(clip: SkelClip) -> tuple[np.ndarray, int] | None:
+    """Time codes at which a clip's source had samples, within its range, and how many of its own are among them."""
+    codes = read_source_codes(clip.source.prim)
+    if codes is None or not len(clip.codes):
+        return None
+    # A layer offset moves samples, and not the numbers of an attribute; who trims or extends a clip moves neither.
+    first, last = clip.codes[0], clip.codes[-1]
+    stretch = (last - first) / (codes[-1] - codes[0]) if codes[-1] > codes[0] else 1.0
+    candidates = [codes, np.clip(first + (codes - codes[0]) * stretch, first, last)]
+    found = [_n_among(clip.codes, each) for each in candidates]
+    best = int(np.argmax(found))
+    return candidates[best][(candidates[best] >= first) & (candidates[best] <= last)], found[best]
+
+
+def _n_among(samples: np.ndarray, codes: np.ndarray) -> int:
+    """Count samples that are at one of some increasing time codes, but for rounding."""
+    near = 1e-3 * float(np.diff(codes).min(initial=1.0))
+    after = np.searchsorted(codes, samples - near)
+    return int((codes[np.minimum(after, len(codes) - 1)] <= samples + near)[after < len(codes)].sum())
 
 
 def _numbers(text: str) -> np.ndarray:

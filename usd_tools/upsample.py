@@ -26,7 +26,7 @@ from usd_tools.progress import Progress
 from usd_tools.resampling import Resampled, at_rate, resample, subdivided, with_codes
 from usd_tools.skel_reader import AnimationSource, SkelClip, find_animations, read_clip
 from usd_tools.style_controls import DEFAULT_SCHEME, Style, parse_style
-from usd_tools.time_codes import TimeCodes
+from usd_tools.time_codes import SOURCE, TimeCodes, remembering
 from usd_tools.upsample_report import Job, described, tell, usual_rate
 
 MAX_ROTATIONS = 1 << 27
@@ -105,6 +105,8 @@ def upsample(args: argparse.Namespace) -> int:
     target.check_layers(stage)
     with usd_warnings(messages), reading(args.input):
         clips = _animated(args.input, selection.selected(args.input, find_animations(stage), args.prim), messages)
+        if args.times is not None and args.times.text == SOURCE:
+            clips = remembering(clips, messages)
         styles = [Style("*", args.alpha, args.beta, args.invariance), *args.joint]
         if styles[0] == Style("*"):
             del styles[0]

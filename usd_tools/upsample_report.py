@@ -35,11 +35,10 @@ def usual_rate(clip: SkelClip, codes: np.ndarray) -> float:
 def tell(job: Job, verbose: bool, messages: Messages) -> None:
     """Say on stdout what happens to an animation, and on stderr what went wrong."""
     clip, metric = job.clip, job.effective.metric
-    rates = f"{usual_rate(clip, clip.codes):g} -> {usual_rate(clip, job.codes):g} a second"
     styles = ", styled" if "styles" in metric.provenance else ""
     how = f"{metric.scheme}, {job.effective.origin} metric{styles}" if clip.joints else "blend shapes, linear"
     joints = f"{len(clip.joints)} joint{'' if len(clip.joints) == 1 else 's'}"
-    print(f"{clip.path}: {len(clip.codes)} -> {len(job.codes)} samples, {joints}, {rates}; {how}")
+    print(f"{clip.path}: {_growth(job)}, {joints}; {how}")
     for sentence in _fallback_sentences(clip, job.result.fallbacks):
         messages.warn(sentence)
     for sentence in _wide_sentences(clip, verbose):
@@ -50,6 +49,18 @@ def tell(job: Job, verbose: bool, messages: Messages) -> None:
         for name, channel in clip.channels.items():
             after = len(job.result.channels[name].codes) if name in job.result.channels else len(channel.codes)
             print(f"  {name}: {len(channel.codes)} -> {after} samples")
+
+
+def _growth(job: Job) -> str:
+    """Tell the samples before and after; channel by channel where they differ, as in what is only partly sparse."""
+    growth: dict[tuple[int, int], list[str]] = {}
+    for name, channel in job.result.channels.items():
+        growth.setdefault((len(job.clip.channels[name].codes), len(channel.codes)), []).append(name)
+    if len(growth) > 1:
+        return ", ".join(f"{a} -> {b} samples of {' and '.join(names)}" for (a, b), names in growth.items())
+    clip = job.clip
+    rates = f"{usual_rate(clip, clip.codes):g} -> {usual_rate(clip, job.codes):g} a second"
+    return f"{len(clip.codes)} -> {len(job.codes)} samples, {rates}"
 
 
 def _fallback_sentences(clip: SkelClip, fallbacks: Sequence[Fallback]) -> list[str]:

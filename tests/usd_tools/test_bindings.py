@@ -1,9 +1,11 @@
-"""Which animation drives which skeleton: inherited, overridden, blocked, inactive, in instances; and libraries."""
+"""Which animation drives which skeleton: inherited, overridden, blocked, inactive; instances, variants, libraries."""
 
 import numpy as np
 import pytest
 from pxr import Sdf, Usd, UsdSkel
 from rigs import ANIMATION, JOINTS, SKELETON, bits, make_rig, random_rotations, read, set_samples
+
+from usd_tools.variants import chosen_variants
 
 VERBS = {"upsample": ["--factor", 2], "downsample": ["--keys", 5], "learn": ["--rate", 0.5]}
 SOME_SLOW = ["upsample", *(pytest.param(verb, marks=pytest.mark.slow) for verb in ("downsample", "learn"))]
@@ -118,3 +120,20 @@ def test_sparse_joints_in_an_order_of_their_own(tmp_path, run, verb):
     shown = np.array(query.ComputeJointLocalTransforms(Usd.TimeCode(0)))
     np.testing.assert_allclose(shown[1], np.array(query.ComputeJointLocalTransforms(Usd.TimeCode(0), True))[1])
     assert set(joints) <= set(stage.GetPrimAtPath(ANIMATION).GetAttribute("geodesicMetric:joints").Get())
+
+
+def test_variants_that_samples_come_from(tmp_path):
+    """Chosen in the file itself, or where a reference of a variant leads; also of an instance."""
+    make_rig(tmp_path / "walk.usda")
+    stage = Usd.Stage.CreateNew(str(tmp_path / "shot.usda"))
+    hero = stage.DefinePrim("/Hero")
+    takes = hero.GetVariantSets().AddVariantSet("take")
+    takes.AddVariant("walk")
+    takes.SetVariantSelection("walk")
+    with takes.GetVariantEditContext():
+        hero.GetReferences().AddReference("./walk.usda")
+    stage.DefinePrim("/Twin").GetReferences().AddInternalReference("/Hero")
+    stage.GetPrimAtPath("/Twin").SetInstanceable(True)
+    assert chosen_variants(stage.GetPrimAtPath("/Hero/Anim")) == ["{take=walk} of /Hero"]
+    assert chosen_variants(stage.GetPrimAtPath("/Twin/Anim")) == ["{take=walk} of /Hero"]
+    assert chosen_variants(make_rig(tmp_path / "plain.usda").GetPrimAtPath(ANIMATION)) == []

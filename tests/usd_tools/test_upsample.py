@@ -269,6 +269,14 @@ def test_fps_keeps_time_codes_and_retime_stretches_them(tmp_path, run):
         assert stage.GetPrimAtPath(ANIMATION).GetAttribute("rotations").GetTimeSamples() == [20, 21, 22, 23, 24]
 
 
+def test_retimed_in_betweens_are_whole_frames_wherever_a_clip_starts(tmp_path, run):
+    """At 60 frames a second, frame 1001 of 24 is 2502.5; the samples of the source stay where they are."""
+    make_rig(tmp_path / "in.usda", codes=range(1001, 1005), rate=24)
+    run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--fps", 60, "--retime")
+    codes = read(tmp_path / "out.usda")[0]
+    assert codes == [2502.5, 2503, 2504, 2505, 2506, 2507, 2507.5, 2508, 2509, 2510]
+
+
 def test_times_from_a_file_and_snapping(tmp_path, run):
     make_rig(tmp_path / "in.usda")
     (tmp_path / "times.txt").write_text("0.5\n1.0000000001, 2.25\n")
