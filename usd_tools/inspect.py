@@ -23,7 +23,7 @@ from usd_tools import metric_meaning
 from usd_tools.channels import Channel
 from usd_tools.errors import Messages, ToolError, run, usd_warnings
 from usd_tools.files import open_stage, reading
-from usd_tools.metric_attributes import read_metric, summary
+from usd_tools.metric_attributes import read_metric, read_source_codes, summary
 from usd_tools.metric_meaning import JointMeaning, joint_meanings, worth
 from usd_tools.rotation_steps import (
     WIDE_DEGREES,
@@ -34,7 +34,7 @@ from usd_tools.rotation_steps import (
     wide_steps,
 )
 from usd_tools.skel_reader import AnimationSource, SkelClip, find_animations, names_in, read_clip
-from usd_tools.tables import show
+from usd_tools.tables import counted, show
 
 
 def parser() -> argparse.ArgumentParser:
@@ -87,9 +87,9 @@ def describe(stage: Usd.Stage, path: Path, messages: Messages) -> dict[str, Any]
         skeletons: prim, joints, animation, instance;
         animations: prim, instances, skeletons, error (then nothing more), joints, still_joints, blend_shapes,
         meters_per_unit (in the world), channels (a name each: samples, value_blocks, held_gaps, from), samples, codes
-        and seconds (first and last), samples_per_second, evenly_spaced, stepped_pairs, largest_step and wide_steps
-        (joint, start, end, degrees), sign_flips, not_unit_quaternions, metric (error, summary, scheme, joints,
-        quality, provenance, by_joint: see `metric_meaning.described`).
+        and seconds (first and last), samples_per_second, evenly_spaced, samples_of_source (of a sparse animation),
+        stepped_pairs, largest_step and wide_steps (joint, start, end, degrees), sign_flips, not_unit_quaternions,
+        metric (error, summary, scheme, joints, quality, provenance, by_joint: see `metric_meaning.described`).
     """
     root = stage.GetRootLayer()
     sources = find_animations(stage)
@@ -165,6 +165,7 @@ def _describe_animation(source: AnimationSource, messages: Messages) -> dict[str
         "meters_per_unit": clip.world_scale,
         "channels": {name: _describe_channel(channel) for name, channel in clip.channels.items()},
         **_describe_times(clip),
+        "samples_of_source": _count_source_samples(source, messages),
         "stepped_pairs": int(clip.steps.sum()),
         "largest_step": None if largest is None else asdict(largest),
         "wide_steps": [asdict(step) for step in wide],
@@ -195,6 +196,15 @@ def _describe_times(clip: SkelClip) -> dict[str, Any]:
         "samples_per_second": float(clip.codes_per_second / np.median(gaps)),
         "evenly_spaced": bool(np.allclose(gaps, gaps[0], rtol=1e-4)),
     }
+
+
+def _count_source_samples(source: AnimationSource, messages: Messages) -> int | None:
+    try:
+        codes = read_source_codes(source.prim)
+    except ToolError as error:
+        messages.warn(str(error))
+        return None
+    return None if codes is None else len(codes)
 
 
 def _count_still(clip: SkelClip) -> int:
@@ -276,22 +286,28 @@ def _animation_rows(animation: dict[str, Any]) -> list[tuple[str, str]]:
         rows.append(("blend shapes", str(animation["blend_shapes"])))
     rows.append(("metres per unit", f"{animation['meters_per_unit']:g}"))
     for name, channel in animation["channels"].items():
-        words = [f"{channel['samples']} samples from {channel['from']}" if channel["samples"] else "one value"]
+        samples = counted(channel["samples"], "sample")
+        words = [f"{samples} from {channel['from']}" if channel["samples"] else "one value"]
         if channel["held_gaps"]:
-            words.append(f"{channel['held_gaps']} held gaps")
+            words.append(counted(channel["held_gaps"], "held gap"))
         if channel["value_blocks"]:
-            words.append(f"{channel['value_blocks']} value blocks")
+            words.append(counted(channel["value_blocks"], "value block"))
         rows.append((name, ", ".join(words)))
     if animation["samples"] is None:
         rows.append(("motion", "none"))
     else:
         (first, last), (start, end) = animation["codes"], animation["seconds"]
         even = "evenly" if animation["evenly_spaced"] else "not evenly"
+        alike = len({channel["samples"] for channel in animation["channels"].values() if channel["samples"] > 1}) == 1
+        together = "" if alike else ", all attributes together"
         rows += [
             ("time codes", f"{first:g} to {last:g}"),
             ("seconds", f"{start:g} to {end:g}, {end - start:g} long"),
-            ("rate", f"{animation['samples_per_second']:g} samples a second, {even} spaced"),
+            ("rate", f"{animation['samples_per_second']:g} samples a second, {even} spaced{together}"),
         ]
+    if animation["samples_of_source"] is not None:
+        n_samples = counted(animation["samples_of_source"], "sample")
+        rows.append(("source had", f"{n_samples}; usd_tools.upsample --times source brings them back"))
     if animation["stepped_pairs"]:
         rows.append(("stepped pairs", str(animation["stepped_pairs"])))
     step = animation["largest_step"]

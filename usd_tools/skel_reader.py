@@ -262,7 +262,8 @@ def read_clip(source: AnimationSource) -> SkelClip:
         absent = [name for name in JOINT_CHANNELS if name not in channels and not _is_blocked(prim, name)]
         missing = {name: rest[name] for name in absent if name == "scales" or has_rest}
         if absent:
-            done = "written from the rest pose" if len(missing) == len(absent) else "not known without a skeleton"
+            of = f" of {source.skeletons[0].GetPath()}" if len(source.skeletons) > 1 else ""
+            done = f"written from the rest pose{of}" if len(missing) == len(absent) else "not known without a skeleton"
             notes.append(f"{source.path} has no {' and no '.join(absent)}, so viewers show the rest pose; {done}.")
     own = names_in(source.skeletons[0], "joints") if source.skeletons else ()
     if own and joints and not set(own) & set(joints):

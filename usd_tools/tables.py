@@ -1,4 +1,4 @@
-"""Tables on stdout: as wide as the terminal, and where there is none, nothing is cut off."""
+"""Tables and counts on stdout: as wide as the terminal, and where there is none, nothing is cut off."""
 
 from __future__ import annotations
 
@@ -35,3 +35,8 @@ def show(title: str, rows: Sequence[Sequence[str]], header: Sequence[str] = ()) 
     for row in rows:
         table.add_row(*map(escape, row))
     console.print(table)
+
+
+def counted(number: int, thing: str) -> str:
+    """Say how many there are of a thing, whose plural ends in s."""
+    return f"{number} {thing}{'' if number == 1 else 's'}"

@@ -15,6 +15,7 @@ from usd_tools.metric_attributes import summary
 from usd_tools.resampling import Resampled
 from usd_tools.rotation_steps import WIDE_DEGREES, largest_step, rotation_steps, wide_steps
 from usd_tools.skel_reader import SkelClip
+from usd_tools.tables import counted
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +38,7 @@ def tell(job: Job, verbose: bool, messages: Messages) -> None:
     clip, metric = job.clip, job.effective.metric
     styles = ", styled" if "styles" in metric.provenance else ""
     how = f"{metric.scheme}, {job.effective.origin} metric{styles}" if clip.joints else "blend shapes, linear"
-    joints = f"{len(clip.joints)} joint{'' if len(clip.joints) == 1 else 's'}"
+    joints = counted(len(clip.joints), "joint")
     print(f"{clip.path}: {_growth(job)}, {joints}; {how}")
     for sentence in _fallback_sentences(clip, job.result.fallbacks):
         messages.warn(sentence)
@@ -79,7 +80,10 @@ def _wide_sentences(clip: SkelClip, verbose: bool) -> list[str]:
     """Name the steps of which a file cannot tell the way: all of them, or the widest."""
     steps = sorted(wide_steps(clip, rotation_steps(clip)), key=lambda step: -step.degrees)
     told = steps if verbose else steps[:1]
-    more = f", and {len(steps) - 1} other steps are over {WIDE_DEGREES:g}" if len(steps) > len(told) else ""
+    are = "is" if len(steps) == 2 else "are"
+    more = (
+        f", and {counted(len(steps) - 1, 'other step')} {are} over {WIDE_DEGREES:g}" if len(steps) > len(told) else ""
+    )
     beyond = "beyond 180 degrees a file cannot tell which way round it went; the shorter way is taken."
     return [f"{clip.path}: {step}{more}; {beyond}" for step in told]
 

@@ -25,6 +25,14 @@ def restored(run, path):
     return read(path.with_name("back.usda"))[0], out, err
 
 
+def test_inspect_tells_that_a_file_is_sparse(sparse, run):
+    out = run("inspect", sparse)[1]
+    assert "9 samples from sparse.usda" in out
+    assert "30 samples; usd_tools.upsample --times source brings them back" in out
+    restored(run, sparse)
+    assert "30 samples from back.usda" in run("inspect", sparse.with_name("back.usda"))[1]
+
+
 def test_a_trimmed_animation_keeps_its_times(sparse, run):
     layer = Sdf.Layer.FindOrOpen(str(sparse))
     codes = layer.ListTimeSamplesForPath(f"{ANIMATION}.rotations")
