@@ -305,9 +305,9 @@ def _animation_rows(animation: dict[str, Any]) -> list[tuple[str, str]]:
             ("seconds", f"{start:g} to {end:g}, {end - start:g} long"),
             ("rate", f"{animation['samples_per_second']:g} samples a second, {even} spaced{together}"),
         ]
-    if animation["samples_of_source"] is not None:
-        n_samples = counted(animation["samples_of_source"], "sample")
-        rows.append(("source had", f"{n_samples}; usd_tools.upsample --times source brings them back"))
+    n_source = animation["samples_of_source"] or 0
+    if any(1 < channel["samples"] < n_source for channel in animation["channels"].values()):
+        rows.append(("source had", f"{n_source} samples; usd_tools.upsample --times source brings them back"))
     if animation["stepped_pairs"]:
         rows.append(("stepped pairs", str(animation["stepped_pairs"])))
     step = animation["largest_step"]
