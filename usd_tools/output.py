@@ -8,10 +8,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from pxr import Usd
+import numpy as np
+from pxr import Sdf, Usd
 
+from usd_tools.channels import CHANNELS
 from usd_tools.errors import ToolError
 from usd_tools.files import check_output, check_usd_output, same_file
+from usd_tools.frame_rate import USUAL
 from usd_tools.skel_reader import AnimationSource
 from usd_tools.skel_writer import OverrideLayer, save, save_copy, save_in_place
 
@@ -30,10 +33,44 @@ def add_format(parse: argparse.ArgumentParser) -> None:
 
 def written(path: Path, rate: float) -> str:
     """Tell that a file is written, and what whoever plays it in Blender has to know."""
-    return (
-        f"{path} is written: {rate:g} time codes a second. Blender does not take the rate from the file: set the scene "
-        f"to {rate:g} frames a second there."
+    many = "" if rate == 1.0 else "s"
+    sentences = (
+        f"{path} is written: {rate:g} time code{many} a second. Blender does not take the rate from the file: set the "
+        f"scene to {rate:g} frame{many} a second there."
     )
+    whole = _rate_of_whole_frames(path, rate)
+    if whole is None:
+        return sentences
+    return (
+        f"{sentences} Samples are between whole time codes; for programs that step through whole frames write it with "
+        f"--fps {whole:g} --retime, and set the scene to {whole:g}."
+    )
+
+
+def _rate_of_whole_frames(path: Path, rate: float) -> float | None:
+    """Find the rate at which samples would be on whole frames; None if they are, or no such rate is known."""
+    layer = Sdf.Layer.OpenAsAnonymous(str(path))  # OpenUSD may still hold what the file was before
+    codes: set[float] = set()
+
+    def look(spec: Sdf.Path) -> None:
+        if spec.IsPrimPropertyPath() and spec.name in CHANNELS:
+            codes.update(layer.ListTimeSamplesForPath(spec))
+
+    layer.Traverse(Sdf.Path.absoluteRootPath, look)
+    seconds = np.array(sorted(codes)) / rate
+    if len(seconds) < 2 or _are_whole(seconds * rate):
+        return None
+    authored = [layer.framesPerSecond] if layer.HasFramesPerSecond() else []
+    sampled = 1.0 / float(np.median(np.diff(seconds)))
+    nearest = round(sampled)
+    sampled = float(nearest) if abs(sampled - nearest) < 1e-4 * sampled else float(f"{sampled:g}")
+    fitting = [each for each in (*authored, sampled, *map(float, USUAL)) if _are_whole(seconds * each)]
+    return next((each for each in (*fitting, *authored) if each != rate), None)
+
+
+def _are_whole(frames: np.ndarray) -> bool:
+    """Whether numbers are whole, up to single precision and the digits in which a rate is printed."""
+    return bool(np.abs(frames - np.round(frames)).max() < 1e-2)
 
 
 @dataclass(frozen=True)
