@@ -18,6 +18,7 @@ from geomstats_anim import SCHEMES, __version__
 from geomstats_anim.keyframes import CRITERIA
 from geomstats_anim.learning.compression import SELECTIONS
 from geomstats_anim.learning.gradient import FAMILIES
+from geomstats_anim.learning.learn import SCHEMES as LEARNED_SCHEMES
 from usd_tools import downsample_report, output, selection
 from usd_tools.arguments import positive_number, share, whole_number
 from usd_tools.errors import Messages, ToolError, run, usd_warnings
@@ -48,13 +49,18 @@ def parser() -> argparse.ArgumentParser:
         "--tolerance",
         metavar="CM",
         type=positive_number,
-        help="keep the fewest with which no bone end is ever further than this from its place, in centimetres",
+        help="keep the fewest with which no bone end is ever further than this from its place, in centimetres; turning "
+        "about a bone's own axis moves no bone end, so such turns may go",
     )
     parse.add_argument(
         "--select", choices=SELECTIONS, default=SELECTIONS[0], help="which samples: the best (default), or every n-th"
     )
     parse.add_argument(
-        "--keep", metavar="T", type=TimeCodes, help="samples that must stay: time codes, or a text file of them"
+        "--keep",
+        metavar="T",
+        type=TimeCodes,
+        help="samples that must stay: time codes with commas between them, or a text file of them; say '--keep=-7,-3' "
+        "where the first is below zero",
     )
     parse.add_argument(
         "--scheme",
@@ -65,7 +71,8 @@ def parser() -> argparse.ArgumentParser:
     parse.add_argument(
         "--family",
         choices=FAMILIES,
-        help="of the metric, see usd_tools.learn; default: spd, or diagonal for --tolerance",
+        help=f"of the metric of {' or '.join(LEARNED_SCHEMES)}, see usd_tools.learn; default: spd, or diagonal for "
+        "--tolerance",
     )
     parse.add_argument(
         "--kind",
@@ -93,6 +100,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         parse.error(f"--kind {args.kind} goes with --rate or --keys; --tolerance is about the largest distance")
     if args.keep is not None and args.select == "uniform":
         parse.error("--keep goes with --select optimal; uniform samples are where they are")
+    if args.family is not None and args.scheme not in LEARNED_SCHEMES:
+        parse.error(f"--scheme {args.scheme} has no metric, so it has no family; leave out --family {args.family}")
     return run(lambda: downsample(args))
 
 
@@ -122,6 +131,8 @@ def downsample(args: argparse.Namespace) -> int:
     described = [downsample_report.described(each) for each in checked]
     for each, values in zip(checked, described, strict=True):
         downsample_report.tell(each.clip, values, args.verbose)
+        if args.tolerance is not None:
+            downsample_report.warn_of_twists(values, args.tolerance, messages)
     downsample_report.tell_file(args.input, size_before, target.path)
     if args.picture is not None:
         downsample_report.draw(checked, args.picture)

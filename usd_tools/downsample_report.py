@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import shlex
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from geomstats_anim import LearnedMetric
+from geomstats_anim.learning.learn import SCHEMES as LEARNED_SCHEMES
 from geomstats_anim.rotations import Array
-from usd_tools.files import needed_files, written_beside
+from usd_tools.errors import Messages
+from usd_tools.files import needed_files, same_file, written_beside
 from usd_tools.kept_bytes import clip_bytes_numpy, clip_bytes_usdc
 from usd_tools.metric_attributes import summary
 from usd_tools.reduction import Reduced
@@ -24,13 +29,17 @@ _COLUMNS = ("mean deg", "99 % deg", "max deg", "mean cm", "99 % cm", "max cm")
 _WORST = 5
 """Joints that are shown unless all are."""
 
+_FAR_OFF_DEGREES = 10.0
+"""A rotation further off, with every bone end within its tolerance, is worth a warning."""
+
 
 def tell(clip: SkelClip, values: Mapping[str, Any], verbose: bool) -> None:
     """Say what is left of an animation, how well the rest is rebuilt, and what a viewer shows; see `described`."""
     print(
-        f"{clip.path}: {values['kept_samples']} of {values['samples']} samples kept, {len(clip.joints)} joints; "
+        f"{clip.path}: {values['kept_samples']} of {values['samples']} samples kept, {_joints(clip.joints)}; "
         f"{values['bytes_usdc_before']} -> {values['bytes_usdc_after']} bytes as usdc, "
-        f"{values['bytes_numpy_before']} -> {values['bytes_numpy_after']} as NumPy, metric included"
+        f"{values['bytes_numpy_before']} -> {values['bytes_numpy_after']} as NumPy, "
+        f"{'metric' if values['scheme'] in LEARNED_SCHEMES else 'scheme'} included"
     )
     print(f"  {values['metric_summary']}")
     show(
@@ -44,17 +53,65 @@ def tell(clip: SkelClip, values: Mapping[str, Any], verbose: bool) -> None:
     joints = sorted(values["joints"], key=lambda joint: -joint["centimetres"]["largest"])
     shown = joints if verbose else [joint for joint in joints[:_WORST] if joint["centimetres"]["largest"] > 0.0]
     if shown:
+        names = short_names(clip.joints)
+        worst = f"The {len(shown)} joints that are worst" if len(shown) > 1 else "The joint that is worst"
         show(
-            "Errors of the joints, rebuilt" if verbose else f"The {len(shown)} joints that are worst, rebuilt",
-            [(joint["joint"].rsplit("/", 1)[-1], *_cells(joint)) for joint in shown],
+            f"{'Errors of all joints' if verbose else worst}, rebuilt",
+            [(names[joint["joint"]], *_cells(joint)) for joint in shown],
             ("joint", *_COLUMNS),
         )
+    turned = values["largest_rotation_error"]
+    if turned["degrees"] > 0.0:
+        print(f"Largest rotation error, rebuilt: {_turned(turned)}.")
     uniform = values["uniform_slerp"]
     if uniform["samples"]:
         print(
             f"Slerp between equally spaced samples needs {uniform['samples']} of them to be as good "
             f"({uniform['criterion']}): {uniform['bytes_usdc']} bytes as usdc, {uniform['bytes_numpy']} as NumPy."
         )
+
+
+def warn_of_twists(values: Mapping[str, Any], tolerance: float, messages: Messages) -> None:
+    """Warn if a rotation is far off though every bone end is within the tolerance, in centimetres; see `described`."""
+    turned = values["largest_rotation_error"]
+    if turned["degrees"] > _FAR_OFF_DEGREES:
+        messages.warn(
+            f"{values['prim']}: every bone end is within {tolerance:g} cm, but a rotation is off by {_turned(turned)}, "
+            "for turning about a bone's own axis moves no bone end; name samples that must stay with --keep, or choose "
+            "by angles: --rate or --keys with --kind rot."
+        )
+
+
+def _turned(turned: Mapping[str, Any]) -> str:
+    return f"{turned['degrees']:.3g} degrees, joint {turned['joint']} at time code {turned['time_code']:g}"
+
+
+def _joints(joints: Sequence[str]) -> str:
+    return f"{len(joints)} joint{'' if len(joints) == 1 else 's'}"
+
+
+def short_names(joints: Sequence[str]) -> dict[str, str]:
+    """Take as much from the end of each joint's path as tells it from the others.
+
+    Parameters
+    ----------
+    joints : sequence of str
+        Full paths.
+
+    Returns
+    -------
+    names : dict
+        By path.
+    """
+    ends = {joint: _ends(joint) for joint in joints}
+    counts = Counter(end for each in ends.values() for end in each)
+    return {joint: next((end for end in each if counts[end] == 1), joint) for joint, each in ends.items()}
+
+
+def _ends(joint: str) -> list[str]:
+    """All ends of a path, the shortest first."""
+    parts = joint.split("/")
+    return ["/".join(parts[start:]) for start in reversed(range(len(parts)))]
 
 
 def _cells(errors: dict[str, Any]) -> list[str]:
@@ -68,10 +125,11 @@ def tell_file(source: Path, size_before: int, out: Path) -> None:
     stands = f"It needs {', '.join(sorted(path.name for path in others))} too" if others else "It stands alone"
     print(
         f"{out} is written: {size_before} -> {out.stat().st_size} bytes. {stands}; get all samples back with: "
-        f"python -m usd_tools.upsample {out} -o BACK.usda --times source"
+        f"python -m usd_tools.upsample {shlex.quote(str(out))} -o BACK.usda --times source"
     )
     if out.suffix == ".usda" and out.stat().st_size > size_before:
-        print(f"{out} is larger than {source.name} because it is text; a name that ends in .usdc makes it binary.")
+        before = "it was" if same_file(out, [source]) else source.name
+        print(f"{out} is larger than {before}, as text; an --out that ends in .usdc makes it binary.")
 
 
 def described(reduced: Reduced) -> dict[str, Any]:
@@ -79,6 +137,7 @@ def described(reduced: Reduced) -> dict[str, Any]:
     thinning, clip, sparse, metric = reduced.thinning, reduced.clip, reduced.sparse, reduced.metric
     n_frames = [span.stop - span.start for span in thinning.spans]
     uniform = thinning.sparse(reduced.uniform)
+    frame, turned = np.unravel_index(np.argmax(reduced.errors.degrees), reduced.errors.degrees.shape)
     return {
         "prim": clip.path,
         "skeletons": [str(prim.GetPath()) for prim in clip.source.skeletons],
@@ -86,7 +145,7 @@ def described(reduced: Reduced) -> dict[str, Any]:
         "kept_samples": len(reduced.kept),
         "kept_time_codes": reduced.kept.tolist(),
         "scheme": metric.scheme,
-        "metric_summary": summary(metric),
+        "metric_summary": _summary_of(metric),
         "constant": [name for name, channel in sparse.channels.items() if not len(channel.codes)],
         "kept_whole": list(thinning.kept_whole),
         "rebuilt": _statistics(reduced.errors),
@@ -97,6 +156,11 @@ def described(reduced: Reduced) -> dict[str, Any]:
                 reduced.errors.joints, reduced.errors.degrees.T, reduced.errors.centimetres.T, strict=True
             )
         ],
+        "largest_rotation_error": {
+            "joint": reduced.errors.joints[turned],
+            "degrees": float(reduced.errors.degrees[frame, turned]),
+            "time_code": float(clip.codes[frame]),
+        },
         "bytes_usdc_before": clip_bytes_usdc(clip, None, None),
         "bytes_usdc_after": clip_bytes_usdc(sparse, metric, clip.codes),
         "bytes_numpy_before": clip_bytes_numpy(clip, None),
@@ -108,6 +172,11 @@ def described(reduced: Reduced) -> dict[str, Any]:
             "bytes_numpy": clip_bytes_numpy(uniform, None),
         },
     }
+
+
+def _summary_of(metric: LearnedMetric) -> str:
+    """Tell a metric in one line, and of a scheme that uses none just its name."""
+    return summary(metric) if metric.scheme in LEARNED_SCHEMES else f"{metric.scheme}, {_joints(metric.joints)}"
 
 
 def _statistics(errors: Errors) -> dict[str, Any]:

@@ -1,11 +1,15 @@
 """Downsample: what is kept is kept bit for bit, what is removed comes back as near as is said, the rest stays."""
 
 import json
+import shlex
 
 import numpy as np
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, UsdUtils, Vt
 from rigs import ANIMATION, DATA, JOINTS, SKELETON, bits, make_rig, random_rotations, read, set_samples, stored_metric
+from scipy.spatial.transform import Rotation
+
+from usd_tools.downsample_report import short_names
 
 CLIPS = sorted((DATA / "clips").glob("*.usda"))
 AMOUNTS = (["--rate", ".3"], ["--keys", "7"], ["--tolerance", "1"])
@@ -319,6 +323,89 @@ def test_report_and_picture(tmp_path, clip, run):
         assert words in out
 
 
+@pytest.fixture
+def twisting(tmp_path):
+    """Forty samples of an arm that turns about its own axis by up to 70 degrees, and of nothing else."""
+    turns = np.zeros((40, 3, 3))
+    turns[:, 2, 1] = 70.0 * np.sin(np.arange(40) / 5.0)
+    rotations = Rotation.from_euler("xyz", turns.reshape(-1, 3), degrees=True).as_quat().reshape(40, 3, 4)
+    translations = np.tile(np.float32([0.0, 10.0, 0.0]), (40, 3, 1))
+    make_rig(tmp_path / "in.usda", codes=range(40), rotations=rotations.astype(np.float32), translations=translations)
+    return tmp_path / "in.usda"
+
+
+def test_a_twist_that_no_bone_end_shows_is_told(tmp_path, twisting, run):
+    report, out = tmp_path / "report.json", tmp_path / "out.usda"
+    code, said, err = run("downsample", twisting, "-o", out, "--tolerance", ".1", "--report", report)
+    animation = json.loads(report.read_text())["animations"][0]
+    worst = animation["largest_rotation_error"]
+    assert code == 0 and animation["rebuilt"]["centimetres"]["largest"] <= 0.1
+    assert worst["joint"] == JOINTS[2] and worst["degrees"] == animation["rebuilt"]["degrees"]["largest"] > 10.0
+    where = f"{worst['degrees']:.3g} degrees, joint {JOINTS[2]} at time code {worst['time_code']:g}"
+    assert f"Largest rotation error, rebuilt: {where}." in said
+    assert err.count("warning: ") == 1
+    assert f"{ANIMATION}: every bone end is within 0.1 cm, but a rotation is off by {where}, for turning" in err
+    assert err.strip().removeprefix("warning: ") in json.loads(report.read_text())["warnings"]
+
+
+def test_what_the_warning_of_a_twist_suggests_helps(tmp_path, twisting, run):
+    for arguments in (["--keys", "12", "--kind", "rot"], ["--tolerance", ".1", "--keep", "4,8,12,16,20,24,28,32,36"]):
+        report = tmp_path / "report.json"
+        _, _, err = run("downsample", twisting, "-o", tmp_path / "out.usda", "--report", report, *arguments)
+        assert err == ""
+        assert json.loads(report.read_text())["animations"][0]["largest_rotation_error"]["degrees"] < 10.0
+
+
+def test_small_rotation_errors_are_no_warning(tmp_path, clip, run):
+    _, out, err = run("downsample", clip, "-o", tmp_path / "out.usda", "--tolerance", "1", *QUICK)
+    assert err == "" and "Largest rotation error, rebuilt: " in out
+
+
+def test_joints_of_one_name_are_told_apart(tmp_path, run):
+    joints = ["root", "root/L", "root/L/tip", "root/R", "root/R/tip"]
+    make_rig(tmp_path / "in.usda", codes=range(20), joints=joints, rotations=random_rotations(20, 5))
+    out = run("downsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--keys", "6", "-v", *QUICK)[1]
+    names = [line.split("│")[1].strip() for line in out.splitlines() if line.startswith("│")]
+    assert set(names[2:]) == {"root", "L", "L/tip", "R", "R/tip"}
+
+
+def test_short_names():
+    joints = ["tip", "a/tip", "b/a/tip", "b", "c/b/d"]
+    assert list(short_names(joints).values()) == ["tip", "a/tip", "b/a/tip", "b", "d"]
+
+
+def test_schemes_without_a_metric_speak_of_none(tmp_path, clip, there_and_back, run):
+    out = run("downsample", clip, "-o", tmp_path / "out.usda", "--keys", "6", "--scheme", "squad")[1]
+    assert out.splitlines()[0].endswith("as NumPy, scheme included")
+    assert out.splitlines()[1] == "  squad, 3 joints"
+    report = there_and_back(clip, "--keys", "6", "--scheme", "squad")[2]
+    assert report["animations"][0]["metric_summary"] == "squad, 3 joints"
+
+
+def test_one_joint_is_one(tmp_path, run):
+    make_rig(tmp_path / "in.usda", codes=range(30), joints=["hips"], rotations=random_rotations(30, 1))
+    out = run("downsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--keys", "4", *QUICK)[1]
+    assert "samples kept, 1 joint; " in out and "The joint that is worst, rebuilt" in out and "1 joints" not in out
+
+
+def test_the_way_back_can_be_pasted(tmp_path, clip, run):
+    there = tmp_path / "out dir" / "wälk's small.usda"
+    there.parent.mkdir()
+    out = run("downsample", clip, "-o", there, "--keys", "6", *QUICK)[1]
+    command = out.partition("get all samples back with: ")[2].splitlines()[0]
+    assert shlex.split(command)[:4] == ["python", "-m", "usd_tools.upsample", str(there)]
+
+
+def test_text_that_grew_is_told(tmp_path, run):
+    """A file of two samples can only grow: it gets a metric."""
+    make_rig(tmp_path / "in.usda", codes=(0, 1))
+    out = run("downsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--keys", "2", *QUICK)[1]
+    assert out.splitlines()[-1].endswith("out.usda is larger than in.usda, as text; an --out that ends in .usdc makes "
+                                         "it binary.")  # fmt: skip
+    out = run("downsample", tmp_path / "in.usda", "--in-place", "--keys", "2", *QUICK)[1]
+    assert "in.usda is larger than it was, as text" in out
+
+
 def test_report_counts_bytes(clip, there_and_back):
     sparse, _, report = there_and_back(clip, "--rate", ".2", *QUICK, out="out.usdc")
     animation = report["animations"][0]
@@ -386,6 +473,7 @@ def test_refusals(tmp_path, clip, refused, arguments, sentence):
         ["--tolerance", "0"],
         ["--tolerance", "1", "--kind", "rot"],
         ["--rate", ".3", "--select", "uniform", "--keep", "4"],
+        ["--rate", ".3", "--scheme", "squad", "--family", "spd"],
     ],
 )
 def test_usage(tmp_path, clip, refused, arguments):
