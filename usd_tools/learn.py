@@ -7,6 +7,7 @@ python -m usd_tools.learn walk.usda run.usda takes/ -o hero.json
 from __future__ import annotations
 
 import argparse
+import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -150,7 +151,10 @@ def _learn_json(args: argparse.Namespace, messages: Messages) -> int:
     with written_beside(args.out) as beside:
         beside.write_text(lesson.metric.to_json(), encoding="utf-8")
     learn_report.tell(lesson, args.verbose, messages)
-    print(f"{args.out} is written; use it with: python -m usd_tools.upsample IN -o OUT --factor 4 --metric {args.out}")
+    print(
+        f"{args.out} is written; use it with: python -m usd_tools.upsample IN -o OUT --factor 4 --metric "
+        f"{shlex.quote(str(args.out))}"
+    )
     _report(args, args.out.name, [lesson], skipped, messages)
     return 0
 

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import shlex
 import sys
 
 import numpy as np
@@ -343,3 +344,11 @@ def test_tpe_searches(tmp_path, clip, learned, search, trials):
         learned(clip, "-o", tmp_path / "a.usda", *told, "--folder", tmp_path / "runs")
         _, _, again = learned(clip, "-o", tmp_path / "b.usda", *told, "--resume", tmp_path / "runs")
         assert again["metrics"][0]["scores"][0] == report["metrics"][0]["scores"][0]
+
+
+def test_the_command_for_a_metric_can_be_pasted(tmp_path, clip, learned):
+    there = tmp_path / "out dir" / "hero's.json"
+    there.parent.mkdir()
+    out = learned(clip, "-o", there)[0]
+    command = out.partition("use it with: ")[2].splitlines()[0]
+    assert shlex.split(command)[-2:] == ["--metric", str(there)]
