@@ -71,6 +71,13 @@ def test_tables_say_what_the_results_say(folder, page):
     assert {"walk", "run___jump"} <= set(page.cells)
 
 
+def test_sentences_have_spaces_between_them(folder):
+    text = (folder / "index.html").read_text(encoding="utf-8")
+    paragraphs = re.findall(r"<p>(.*?)</p>", text.partition("<script")[0], re.DOTALL)
+    assert len(paragraphs) == 3
+    assert not [each for each in paragraphs if re.search(r"[.)][A-Z]", each)]
+
+
 def test_player_has_every_clip_rate_and_scheme(page):
     data = json.loads(page.scripts[0])
     assert [clip["name"] for clip in data["clips"]] == ["walk", "run___jump"]
