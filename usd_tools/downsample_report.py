@@ -20,7 +20,7 @@ from usd_tools.metric_attributes import summary
 from usd_tools.reduction import Reduced
 from usd_tools.skel_reader import SkelClip
 from usd_tools.sparse import Errors
-from usd_tools.tables import show
+from usd_tools.tables import counted, show
 
 PICTURES = (".png", ".svg", ".pdf")
 
@@ -35,8 +35,9 @@ _FAR_OFF_DEGREES = 10.0
 
 def tell(clip: SkelClip, values: Mapping[str, Any], verbose: bool) -> None:
     """Say what is left of an animation, how well the rest is rebuilt, and what a viewer shows; see `described`."""
+    joints = counted(len(clip.joints), "joint")
     print(
-        f"{clip.path}: {values['kept_samples']} of {values['samples']} samples kept, {_joints(clip.joints)}; "
+        f"{clip.path}: {values['kept_samples']} of {values['samples']} samples kept, {joints}; "
         f"{values['bytes_usdc_before']} -> {values['bytes_usdc_after']} bytes as usdc, "
         f"{values['bytes_numpy_before']} -> {values['bytes_numpy_after']} as NumPy, "
         f"{'metric' if values['scheme'] in LEARNED_SCHEMES else 'scheme'} included"
@@ -50,13 +51,13 @@ def tell(clip: SkelClip, values: Mapping[str, Any], verbose: bool) -> None:
         ],
         ("", *_COLUMNS),
     )
-    joints = sorted(values["joints"], key=lambda joint: -joint["centimetres"]["largest"])
-    shown = joints if verbose else [joint for joint in joints[:_WORST] if joint["centimetres"]["largest"] > 0.0]
+    worst = sorted(values["joints"], key=lambda joint: -joint["centimetres"]["largest"])
+    shown = worst if verbose else [joint for joint in worst[:_WORST] if joint["centimetres"]["largest"] > 0.0]
     if shown:
-        names = short_names(clip.joints)
-        worst = f"The {len(shown)} joints that are worst" if len(shown) > 1 else "The joint that is worst"
+        names = short_names([joint["joint"] for joint in values["joints"]])
+        title = f"The {len(shown)} joints that are worst" if len(shown) > 1 else "The joint that is worst"
         show(
-            f"{'Errors of all joints' if verbose else worst}, rebuilt",
+            f"{'Errors of the joints' if verbose else title}, rebuilt",
             [(names[joint["joint"]], *_cells(joint)) for joint in shown],
             ("joint", *_COLUMNS),
         )
@@ -84,10 +85,6 @@ def warn_of_twists(values: Mapping[str, Any], tolerance: float, messages: Messag
 
 def _turned(turned: Mapping[str, Any]) -> str:
     return f"{turned['degrees']:.3g} degrees, joint {turned['joint']} at time code {turned['time_code']:g}"
-
-
-def _joints(joints: Sequence[str]) -> str:
-    return f"{len(joints)} joint{'' if len(joints) == 1 else 's'}"
 
 
 def short_names(joints: Sequence[str]) -> dict[str, str]:
@@ -176,7 +173,9 @@ def described(reduced: Reduced) -> dict[str, Any]:
 
 def _summary_of(metric: LearnedMetric) -> str:
     """Tell a metric in one line, and of a scheme that uses none just its name."""
-    return summary(metric) if metric.scheme in LEARNED_SCHEMES else f"{metric.scheme}, {_joints(metric.joints)}"
+    if metric.scheme in LEARNED_SCHEMES:
+        return summary(metric)
+    return f"{metric.scheme}, {counted(len(metric.joints), 'joint')}"
 
 
 def _statistics(errors: Errors) -> dict[str, Any]:

@@ -369,6 +369,12 @@ def test_joints_of_one_name_are_told_apart(tmp_path, run):
     assert set(names[2:]) == {"root", "L", "L/tip", "R", "R/tip"}
 
 
+def test_joints_that_the_animation_leaves_out(tmp_path, run):
+    make_rig(tmp_path / "in.usda", codes=range(20), anim_joints=JOINTS[:2], rotations=random_rotations(20, 2))
+    out = run("downsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--keys", "6", "-v", *QUICK)[1]
+    assert "│ arm " in out and "Largest rotation error, rebuilt: " in out
+
+
 def test_short_names():
     joints = ["tip", "a/tip", "b/a/tip", "b", "c/b/d"]
     assert list(short_names(joints).values()) == ["tip", "a/tip", "b/a/tip", "b", "d"]
