@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from pxr import Ar, Tf, Usd, UsdUtils
+from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 
 from usd_tools.errors import TEMPORARY, ToolError, commentary
 
@@ -128,10 +128,29 @@ def same_file(path: Path, others: Iterable[str | Path]) -> bool:
 
 
 def needed_files(path: Path) -> set[Path]:
-    """Find all files that a USD file is made of, itself among them; of packages, the packages."""
-    layers, assets, _ = UsdUtils.ComputeAllDependencies(str(path))
-    names = [layer.realPath for layer in layers] + list(assets)
+    """Find all files that a USD file is made of, itself and missing ones among them; of packages, the packages."""
+    layers, assets, missing = _dependencies(path)
+    names = [layer.realPath for layer in layers] + assets + missing
     return {Path(Ar.SplitPackageRelativePathOuter(name)[0]).resolve() for name in names}
+
+
+def missing_files(path: Path) -> list[str]:
+    """Name the files that a USD file is made of, but which are nowhere."""
+    return sorted({Path(name.rstrip("]")).name for name in _dependencies(path)[2]})
+
+
+def standing(path: Path) -> str:
+    """Tell in a sentence without its dot which other files a USD file needs."""
+    others = sorted({other.name for other in needed_files(path) if other != path.resolve()})
+    return f"It needs {', '.join(others)} too" if others else "It stands alone"
+
+
+def _dependencies(path: Path) -> tuple[list[Sdf.Layer], list[str], list[str]]:
+    """Call `UsdUtils.ComputeAllDependencies`, and keep it from printing what it does not find."""
+    unheard = UsdUtils.CoalescingDiagnosticDelegate()
+    layers, assets, missing = UsdUtils.ComputeAllDependencies(str(path))
+    unheard.TakeUncoalescedDiagnostics()
+    return list(layers), list(assets), list(missing)
 
 
 def relative_asset_path(target: Path, folder: Path) -> str:
@@ -184,7 +203,8 @@ def written_beside(path: Path) -> Iterator[Path]:
         If it cannot be written.
     """
     try:
-        with tempfile.TemporaryDirectory(prefix=f".{path.name}.", dir=path.parent) as folder:
+        # The folder's whole path, for `errors` takes it out of what OpenUSD says.
+        with tempfile.TemporaryDirectory(prefix=f".{path.name}.", dir=path.parent.absolute()) as folder:
             beside = Path(folder) / path.name
             yield beside
             os.replace(beside, path)

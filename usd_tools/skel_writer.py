@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Tf, Usd, UsdUtils
+from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 
 from geomstats_anim import LearnedMetric, __version__
 from usd_tools.channels import CHANNELS, Channel, write_samples
 from usd_tools.errors import TEMPORARY, Messages, ToolError, commentary
-from usd_tools.files import relative_asset_path, written_beside
+from usd_tools.files import missing_files, relative_asset_path, written_beside
 from usd_tools.instancing import editable_paths
 from usd_tools.metric_attributes import NAMESPACE, write_metric, write_source_codes, write_summary
 from usd_tools.openusd_gaps import flattened, lost_by_packing, modify_asset_paths
@@ -75,7 +75,8 @@ class OverrideLayer:
             self.layer.TransferContent(base)
         else:
             # Stage metadata counts in the root layer only: what is not copied up is lost, the frame rate first.
-            for key in root.pseudoRoot.ListInfoKeys():
+            # A usdc has it in the order in which it is set, and OpenUSD lists it in that of addresses in memory.
+            for key in sorted(root.pseudoRoot.ListInfoKeys()):
                 if key not in _NOT_COPIED:
                     self.layer.pseudoRoot.SetInfo(key, root.pseudoRoot.GetInfo(key))
         if codes_per_second is not None:
@@ -163,7 +164,7 @@ def save(
         if out.suffix == ".usdz":
             _save_package(override.layer, source, beside, flatten)
         else:
-            layer = _flattened(override.layer, source, out.parent) if flatten else override.layer
+            layer = _flattened(override.layer, source, out.parent, _context(source)) if flatten else override.layer
             if not flatten:
                 layer.subLayerPaths = [relative_asset_path(source, out.parent)]
             _export(layer, beside, usd_format, check=flatten)
@@ -235,37 +236,53 @@ def _export(layer: Sdf.Layer, path: Path, usd_format: str | None, check: bool = 
             raise ToolError(f"{path.name} could not be read again: {commentary(error).rstrip('.')}.") from error
 
 
-def _flattened(override: Sdf.Layer, source: Path, folder: Path) -> Sdf.Layer:
+def _flattened(override: Sdf.Layer, source: Path, folder: Path, context: Ar.ResolverContext) -> Sdf.Layer:
     """Everything in one layer, with the files that it needs named as seen from a folder."""
     override.subLayerPaths = [os.path.abspath(source)]
-    layer = flattened(Usd.Stage.Open(override))
-    for key in override.pseudoRoot.ListInfoKeys():
+    layer = flattened(Usd.Stage.Open(override, context))
+    for key in sorted(override.pseudoRoot.ListInfoKeys()):
         if key not in _NOT_COPIED or key == "customLayerData":
             layer.pseudoRoot.SetInfo(key, override.pseudoRoot.GetInfo(key))
     modify_asset_paths(layer, lambda path: relative_asset_path(Path(path), folder) if os.path.isabs(path) else path)
     return layer
 
 
+def _context(path: Path) -> Ar.ResolverContext:
+    """How OpenUSD finds what is named when it opens a file: names without a dot may count from that file's folder."""
+    return Ar.GetResolver().CreateDefaultContextForAsset(os.path.abspath(path))
+
+
 def _save_package(override: Sdf.Layer, source: Path, out: Path, flatten: bool) -> None:
     """Write a usdz package of an override layer, its source, and all files that they need."""
     with tempfile.TemporaryDirectory(prefix=TEMPORARY) as folder:
+        context = _context(source)
         if source.suffix == ".usdz":
-            # A package in a package is not valid usdz, so the source is packed anew.
-            try:
-                with zipfile.ZipFile(source) as package:
-                    package.extractall(folder)
-                    source = Path(folder) / package.namelist()[0]
-            except zipfile.BadZipFile as error:
-                raise ToolError(f"{source} is broken: {str(error).rstrip('.')}; pack it again.") from error
+            # A package in a package is not valid usdz, so the source is packed anew; its names may count from its root.
+            context = _context(Path(folder) / source.name)
+            source = _unpacked(source, Path(folder))
         root = Path(folder) / f"{out.stem}.usdc"
         while root.exists():
             root = root.with_stem(f"{root.stem}_over")
         if flatten:
-            layer = _flattened(override, source, root.parent)
+            layer = _flattened(override, source, root.parent, context)
         else:
             layer = override
             layer.subLayerPaths = [os.path.abspath(source)]
-        _pack(layer, root, out)
+        with Ar.ResolverContextBinder(context):
+            _pack(layer, root, out)
+
+
+def _unpacked(package: Path, folder: Path) -> Path:
+    """Unpack a usdz package, and find its first file, which is the one that counts."""
+    try:
+        # OpenUSD writes names as UTF-8, but does not say so in the file.
+        with zipfile.ZipFile(package, metadata_encoding="utf-8") as archive:
+            archive.extractall(folder)
+            return folder / archive.namelist()[0]
+    except zipfile.BadZipFile as error:
+        raise ToolError(f"{package} is broken: {str(error).rstrip('.')}; pack it again.") from error
+    except UnicodeDecodeError as error:
+        raise ToolError(f"{package} has names that are not UTF-8; pack it again.") from error
 
 
 def _pack(layer: Sdf.Layer, root: Path, out: Path) -> None:
@@ -278,6 +295,11 @@ def _pack(layer: Sdf.Layer, root: Path, out: Path) -> None:
             "--flatten, or name a file that is no package."
         )
     if not UsdUtils.CreateNewUsdzPackage(str(root), str(out)):
+        missing = missing_files(root)
+        if missing:
+            raise ToolError(
+                f"{out.name} cannot be packed without {', '.join(missing)}: put what is missing in its place."
+            )
         raise ToolError(f"{out.name} cannot be packed; does every file that the source needs exist?")
     try:
         _forget_times(out)
