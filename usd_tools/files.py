@@ -12,7 +12,7 @@ from typing import Any
 
 from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 
-from usd_tools.errors import TEMPORARY, ToolError, commentary
+from usd_tools.errors import TEMPORARY, Messages, ToolError, commentary
 
 EXTENSIONS = (".usd", ".usda", ".usdc", ".usdz")
 
@@ -139,8 +139,11 @@ def missing_files(path: Path) -> list[str]:
     return sorted({Path(name.rstrip("]")).name for name in _dependencies(path)[2]})
 
 
-def standing(path: Path) -> str:
-    """Tell in a sentence without its dot which other files a USD file needs."""
+def standing(path: Path, messages: Messages) -> str:
+    """Tell in a sentence without its dot which other files a USD file needs; warn of those that are nowhere."""
+    missing = missing_files(path)
+    if missing:
+        messages.warn(f"{path} needs what is nowhere: {', '.join(missing)}.")
     others = sorted({other.name for other in needed_files(path) if other != path.resolve()})
     return f"It needs {', '.join(others)} too" if others else "It stands alone"
 
@@ -148,6 +151,9 @@ def standing(path: Path) -> str:
 def _dependencies(path: Path) -> tuple[list[Sdf.Layer], list[str], list[str]]:
     """Call `UsdUtils.ComputeAllDependencies`, and keep it from printing what it does not find."""
     unheard = UsdUtils.CoalescingDiagnosticDelegate()
+    held = Sdf.Layer.Find(str(path))
+    if held:
+        held.Reload()  # OpenUSD may still hold what the file was before
     layers, assets, missing = UsdUtils.ComputeAllDependencies(str(path))
     unheard.TakeUncoalescedDiagnostics()
     return list(layers), list(assets), list(missing)

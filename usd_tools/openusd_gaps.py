@@ -42,3 +42,13 @@ def lost_by_packing(root: Path) -> str | None:
             if not offset.IsIdentity():
                 return f"{path} in {layer.GetDisplayName()}"
     return None
+
+
+def lost_by_flattening(stage: Usd.Stage) -> list[str]:
+    """Name the variant sets that `Usd.Stage.Flatten` leaves out, and what is chosen of each."""
+    return [
+        f"{name} of {prim.GetPath()} at {prim.GetVariantSet(name).GetVariantSelection() or 'none'}"
+        for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate))
+        if prim.HasVariantSets()
+        for name in prim.GetVariantSets().GetNames()
+    ]

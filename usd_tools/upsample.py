@@ -18,9 +18,10 @@ from geomstats_anim import SCHEMES, __version__
 from geomstats_anim.parameters import INVARIANCES
 from usd_tools import output, selection
 from usd_tools.arguments import positive_number, whole_number
-from usd_tools.effective_metric import EffectiveMetric, effective_metrics
+from usd_tools.effective_metric import WITH_METRIC, EffectiveMetric, effective_metrics
 from usd_tools.errors import Messages, ToolError, run, usd_warnings
-from usd_tools.files import open_stage, reading, write_json
+from usd_tools.files import open_stage, reading, standing, write_json
+from usd_tools.openusd_gaps import lost_by_flattening
 from usd_tools.output import Output
 from usd_tools.progress import Progress
 from usd_tools.resampling import Resampled, at_rate, resample, subdivided, with_codes
@@ -32,13 +33,19 @@ from usd_tools.upsample_report import Job, described, tell, usual_rate
 MAX_ROTATIONS = 1 << 27
 """More than these are taken for a slip of the finger: 2 GiB of quaternions."""
 
+_ABOUT_METRIC = ("metric", "alpha", "beta", "invariance", "joint")
+
+_A_FEW = 5
+"""Variant sets that are named; a crowd has more."""
+
 
 def parser() -> argparse.ArgumentParser:
     """Make the parser of the command line."""
     parse = argparse.ArgumentParser(
         prog="python -m usd_tools.upsample",
         description="Add samples to skeletal animation, along geodesics of an invariant metric. Every source sample "
-        "stays as it is, bit for bit. The output is a layer over the source, which it needs, unless flattened.",
+        "stays as it is, bit for bit. The output is a layer over the source, which it needs; with --flatten it needs "
+        "only textures, which stay where they are; a name that ends in .usdz makes a package of all of it.",
     )
     parse.add_argument("input", metavar="IN", type=Path, help="USD file")
     parse.add_argument("-o", "--out", metavar="OUT", type=Path, help="USD file to write; .usdz packs the source too")
@@ -111,16 +118,21 @@ def upsample(args: argparse.Namespace) -> int:
         if styles[0] == Style("*"):
             del styles[0]
         metrics = effective_metrics(args.input, clips, args.metric, args.scheme, styles, messages)
+        _check_schemes(args, clips, metrics)
         targets = [_target_codes(args, clip, messages) for clip in clips]
         results = _resample_all(clips, targets, metrics)
         jobs = [Job(*parts) for parts in zip(clips, targets, metrics, results, strict=True)]
+        if args.flatten:
+            _tell_variants(stage, messages)
         if not args.dry_run:
             _write(args, target, stage, jobs, messages)
         for job in jobs:
             tell(job, args.verbose, messages)
-    _tell_playback(args, target, stage)
-    if args.report is not None:
-        write_json(args.report, _report(args, target, stage, jobs, messages))
+    report = None if args.report is None else _report(args, target, stage, jobs, messages)
+    # What follows reads a file that was changed in place anew, so prims may be gone from the stage.
+    _tell_file(args, target, stage, messages)
+    if report is not None:
+        write_json(args.report, report)
     return 0
 
 
@@ -140,6 +152,26 @@ def _animated(path: Path, sources: list[AnimationSource], messages: Messages) ->
             f"{path} has no skeletal animation with two samples or more to go between: {', '.join(counts)}."
         )
     return animated
+
+
+def _check_schemes(args: argparse.Namespace, clips: Sequence[SkelClip], metrics: Sequence[EffectiveMetric]) -> None:
+    """Refuse options about a metric where the scheme, asked for or stored, has none."""
+    # A scheme may be stored with a metric, and then be asked for by its name.
+    words = ("alpha", "beta", "invariance", "joint") if args.scheme is None else _ABOUT_METRIC
+    options = [f"--{word}" for word in words if getattr(args, word)]
+    for clip, effective in zip(clips, metrics, strict=True):
+        if options and not effective.is_used:
+            raise ToolError(
+                f"{clip.path}: the scheme {effective.metric.scheme} has no metric; leave out {', '.join(options)}, or "
+                f"say --scheme {' or '.join(WITH_METRIC)}."
+            )
+
+
+def _tell_variants(stage: Usd.Stage, messages: Messages) -> None:
+    fixed = lost_by_flattening(stage)
+    if fixed:
+        more = f" and {len(fixed) - _A_FEW} more" if len(fixed) > _A_FEW else ""
+        messages.warn(f"--flatten fixes variant sets: {', '.join(fixed[:_A_FEW])}{more}.")
 
 
 def _target_codes(args: argparse.Namespace, clip: SkelClip, messages: Messages) -> np.ndarray:
@@ -185,12 +217,14 @@ def _resample_all(
     return results
 
 
-def _tell_playback(args: argparse.Namespace, target: Output, stage: Usd.Stage) -> None:
+def _tell_file(args: argparse.Namespace, target: Output, stage: Usd.Stage, messages: Messages) -> None:
     rate = args.fps if args.retime else stage.GetTimeCodesPerSecond()
     if args.dry_run:
         print("Nothing is written: this is a dry run.")
         return
     print(output.written(target.path, rate))
+    if args.flatten:
+        print(f"{standing(target.path, messages)}.")
 
 
 def _settings(args: argparse.Namespace) -> dict[str, Any]:

@@ -36,8 +36,7 @@ def usual_rate(clip: SkelClip, codes: np.ndarray) -> float:
 def tell(job: Job, verbose: bool, messages: Messages) -> None:
     """Say on stdout what happens to an animation, and on stderr what went wrong."""
     clip, metric = job.clip, job.effective.metric
-    styles = ", styled" if "styles" in metric.provenance else ""
-    how = f"{metric.scheme}, {job.effective.origin} metric{styles}" if clip.joints else "blend shapes, linear"
+    how = _how(job.effective) if clip.joints else "blend shapes, linear"
     joints = counted(len(clip.joints), "joint")
     print(f"{clip.path}: {_growth(job)}, {joints}; {how}")
     for sentence in _fallback_sentences(clip, job.result.fallbacks):
@@ -46,10 +45,18 @@ def tell(job: Job, verbose: bool, messages: Messages) -> None:
         messages.warn(sentence)
     if verbose:
         print(f"  drives {', '.join(str(prim.GetPath()) for prim in clip.source.skeletons) or 'no skeleton'}")
-        print(f"  {summary(metric)}")
+        if job.effective.is_used:
+            print(f"  {summary(metric)}")
         for name, channel in clip.channels.items():
             after = len(job.result.channels[name].codes) if name in job.result.channels else len(channel.codes)
             print(f"  {name}: {len(channel.codes)} -> {after} samples")
+
+
+def _how(effective: EffectiveMetric) -> str:
+    if not effective.is_used:
+        return effective.metric.scheme
+    styles = ", styled" if "styles" in effective.metric.provenance else ""
+    return f"{effective.metric.scheme}, {effective.origin} metric{styles}"
 
 
 def _growth(job: Job) -> str:
@@ -97,8 +104,8 @@ def described(job: Job) -> dict[str, Any]:
         "skeletons": [str(prim.GetPath()) for prim in clip.source.skeletons],
         "joints": len(clip.joints),
         "scheme": job.effective.metric.scheme,
-        "metric": job.effective.origin,
-        "metric_summary": summary(job.effective.metric),
+        "metric": job.effective.origin if job.effective.is_used else None,
+        "metric_summary": summary(job.effective.metric) if job.effective.is_used else None,
         "joints_without_metric": list(job.effective.missing),
         "samples_before": len(clip.codes),
         "samples_after": len(job.codes),

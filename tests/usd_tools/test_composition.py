@@ -9,6 +9,8 @@ from composed import differences, errors_of
 from pxr import Sdf, Usd, UsdGeom, UsdUtils
 from rigs import ANIMATION, bits, make_rig, random_rotations, read, set_samples
 
+from usd_tools import upsample
+
 VERBS = {"upsample": ["--factor", 2, "--alpha", 3], "downsample": ["--keys", 5], "learn": ["--rate", 0.5]}
 SOME_SLOW = ["upsample", *(pytest.param(verb, marks=pytest.mark.slow) for verb in ("downsample", "learn"))]
 FORMATS = ["out.usda", "out.usdc", "out.usdz", "flat.usda", "flat.usdz"]
@@ -55,7 +57,9 @@ def call(run, verb, source, out):
     flat = ["--flatten"] if out.name.startswith("flat") else []
     code, _, err = run(verb, source, "-o", out, *VERBS[verb], *flat)
     variant = "/Shot/Hero/Anim is of the variant {take=two} of /Shot/Hero"
-    assert (code, err) == (0, f"warning: {variant}; samples in the output hide those of its other variants.\n")
+    hidden = f"warning: {variant}; samples in the output hide those of its other variants.\n"
+    fixed = "warning: --flatten fixes variant sets: take of /Shot/Hero at two.\n" if flat and verb == "upsample" else ""
+    assert (code, err) == (0, hidden + fixed)
 
 
 @pytest.mark.parametrize("name", FORMATS)
@@ -210,3 +214,40 @@ def test_layers_that_are_nowhere(tmp_path, run):
     assert code == 0 and err.count("\n") == 1 and "nowhere.usda" in err
     assert str(Path(tmp_path).resolve()) not in (tmp_path / "out.usda").read_text()
     np.testing.assert_array_equal(read(tmp_path / "out.usda")[0], np.arange(7) / 2)
+
+
+def test_flattening_tells_what_is_still_needed(tmp_path, run):
+    source = make_shot(tmp_path / "show")
+    for name, flat, told in (
+        ("flat.usda", ["--flatten"], "It needs skin.png too."),
+        ("flat.usdz", ["-f"], "It stands alone."),
+    ):
+        _, out, _ = run("upsample", source, "-o", tmp_path / name, "--factor", 2, *flat)
+        assert out.splitlines()[-1] == told
+    _, out, _ = run("upsample", tmp_path / "flat.usdz", "-o", tmp_path / "out.usdc", "--factor", 2, "-f")
+    assert out.splitlines()[-1] == "It needs flat.usdz too."
+    shutil.copytree(source.parent, tmp_path / "copy")
+    _, out, _ = run("upsample", tmp_path / "copy" / "shot.usda", "--in-place", "--factor", 2, "-f")
+    assert out.splitlines()[-1] == "It needs skin.png too."  # and not what the file needed before
+
+
+def test_flattening_warns_of_textures_that_are_nowhere(tmp_path, capfd):
+    source, out = make_shot(tmp_path / "show"), tmp_path / "flat.usda"
+    (tmp_path / "show" / "assets" / "skin.png").unlink()
+    assert upsample.main([str(source), "-o", str(out), "--factor", "2", "-f"]) == 0
+    lines = capfd.readouterr().err.splitlines()  # with what OpenUSD itself would print
+    assert lines[2:] == [f"warning: {out} needs what is nowhere: skin.png."]
+    assert all(line.startswith("warning: ") for line in lines)
+
+
+def test_flattening_names_a_few_variant_sets(tmp_path, run):
+    stage = make_rig(tmp_path / "in.usda")
+    for i in range(7):
+        prim = stage.DefinePrim(f"/Rig/Prop{i}")
+        prim.GetVariantSets().AddVariantSet("look").AddVariant("red")
+        if i:
+            prim.GetVariantSet("look").SetVariantSelection("red")
+    stage.Save()
+    _, _, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2, "-f")
+    others = ", ".join(f"look of /Rig/Prop{i} at red" for i in range(1, 5))
+    assert err == f"warning: --flatten fixes variant sets: look of /Rig/Prop0 at none, {others} and 2 more.\n"

@@ -1,9 +1,13 @@
 """Styles by hand."""
 
+import json
+
 import numpy as np
+import pytest
 from rigs import make_rig, stored_metric
 
-from geomstats_anim import LearnedMetric
+from geomstats_anim import SCHEMES, LearnedMetric
+from usd_tools.effective_metric import WITH_METRIC
 from usd_tools.style_controls import parse_style, styled
 
 JOINTS = ["rig:Hips", "rig:Hips/rig:LeftArm", "rig:Hips/rig:LeftArm/rig:LeftHand"]
@@ -45,3 +49,37 @@ def test_styles_are_written(tmp_path, run):
     np.testing.assert_array_equal(metric.parameters.alpha, [2, 2, 8])
     assert metric.parameters.invariance == ("right", "right", "left")
     assert metric.provenance == {"styles": ["*:alpha=2,invariance=right", "arm:alpha=8,invariance=left"]}
+
+
+@pytest.mark.parametrize("scheme", [scheme for scheme in SCHEMES if scheme not in WITH_METRIC])
+def test_schemes_without_metric_take_no_styles(tmp_path, run, refuse, scheme):
+    make_rig(tmp_path / "in.usda")
+    upsample = ("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2, "--scheme", scheme)
+    for options in (["--alpha", 3], ["--invariance", "left", "--joint", "arm:beta=2"], ["--metric", "identity"]):
+        assert refuse(*upsample, *options) == (
+            f"/Rig/Anim: the scheme {scheme} has no metric; leave out {', '.join(options[::2])}, or say "
+            "--scheme geodesic or geodesic-spline."
+        )
+    code, out, err = run(*upsample, "-v", "--report", tmp_path / "report.json")
+    assert (code, err) == (0, "") and f"; {scheme}\n" in out
+    assert not {"metric", "alpha"} & set(out.replace(",", " ").split())
+    (animation,) = json.loads((tmp_path / "report.json").read_text())["animations"]
+    assert (animation["scheme"], animation["metric"], animation["metric_summary"]) == (scheme, None, None)
+
+
+def test_schemes_without_metric_and_stored_ones(tmp_path, run, refuse):
+    """A metric that is there may go unused; a scheme that is stored may have none."""
+    make_rig(tmp_path / "in.usda")
+    run("upsample", tmp_path / "in.usda", "-o", tmp_path / "styled.usda", "--factor", 2, "--alpha", 3)
+    slerped = ("-o", tmp_path / "slerped.usda", "--factor", 2, "--scheme", "slerp")
+    code, out, err = run("upsample", tmp_path / "styled.usda", *slerped)
+    assert (code, err) == (0, "") and "; slerp\n" in out
+    again = ("upsample", tmp_path / "slerped.usda", "-o", tmp_path / "again.usda", "--factor", 2)
+    assert refuse(*again, "--alpha", 3).startswith("/Rig/Anim: the scheme slerp has no metric; leave out --alpha")
+    assert run(*again, "--metric", "stored")[0] == 0
+
+
+def test_schemes_with_metric_are_those_that_learn():
+    from geomstats_anim.learning.learn import SCHEMES as LEARNED_SCHEMES
+
+    assert set(WITH_METRIC) == set(LEARNED_SCHEMES)
