@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from usd_tools.comparison import Row
-from usd_tools.tables import show
+from usd_tools.tables import counted, show
 
 HEADER = (
     "rate",
@@ -58,7 +58,7 @@ def tell(clip: str, rows: Sequence[Row], kind: str) -> None:
                 _quality(fitted, kind),
             )
         )
-    frames = next((f", {row.frames} samples of {row.joints} joints" for row in whole if row.frames), "")
+    frames = next((f", {row.frames} samples of {counted(row.joints or 0, 'joint')}" for row in whole if row.frames), "")
     show(f"{clip}{frames}", table, HEADER)
 
 

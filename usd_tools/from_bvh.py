@@ -24,6 +24,7 @@ from usd_tools.joint_names import joint_paths, unique
 from usd_tools.progress import Progress
 from usd_tools.skel_author import Units, new_layer
 from usd_tools.skel_writer import made_by, save_layer
+from usd_tools.tables import counted
 
 TOOL = "usd_tools.from_bvh"
 
@@ -73,7 +74,8 @@ def convert(args: argparse.Namespace) -> int:
         progress.advance(1, "Writing")
         save_layer(layer, args.out, args.usdFormat)
     height = _height(bvh, "XYZ".index(args.up)) * args.scale
-    print(f"{args.input}: {animation.n_joints} joints, {height:.3g} m high at rest; {animation.n_frames} frames.")
+    joints, frames = counted(animation.n_joints, "joint"), counted(animation.n_frames, "frame")
+    print(f"{args.input}: {joints}, {height:.3g} m high at rest; {frames}.")
     print(output.written(args.out, rate))
     return 0
 

@@ -11,7 +11,7 @@ from usd_tools.errors import Messages
 from usd_tools.lesson import Lesson
 from usd_tools.metric_attributes import summary
 from usd_tools.metric_meaning import EXPLANATION, HEADER, joint_meanings, table_rows
-from usd_tools.tables import show
+from usd_tools.tables import counted, show
 
 
 def tell(lesson: Lesson, verbose: bool, messages: Messages) -> None:
@@ -22,7 +22,7 @@ def tell(lesson: Lesson, verbose: bool, messages: Messages) -> None:
     where = str(takes[0]) if len(takes) == 1 else f"{len(takes)} animations, {takes[0]} to {takes[-1]}"
     n_stretches = sum(len(take.stretches) for take in takes)
     cut = f", in {n_stretches} stretches between value blocks and steps" if n_stretches > len(takes) else ""
-    print(f"{where}: {n_keys} of {n_frames} samples kept as keys{cut}, {len(metric.joints)} joints")
+    print(f"{where}: {n_keys} of {n_frames} samples kept as keys{cut}, {counted(len(metric.joints), 'joint')}")
     print(f"  {summary(metric)}")
     weighted = " without weights" if "weights" in metric.provenance else ""
     is_spline = metric.scheme == "geodesic-spline"
@@ -33,9 +33,8 @@ def tell(lesson: Lesson, verbose: bool, messages: Messages) -> None:
     )
     print(conclusion(lesson))
     if lesson.slerped:
-        messages.warn(
-            f"{where}: {lesson.slerped} segments of single joints are slerped, for their geodesic was not found."
-        )
+        slerped = counted(lesson.slerped, "segment")
+        messages.warn(f"{where}: slerp stands for {slerped} of single joints whose geodesic was not found.")
     if verbose:
         show("What the metric means", table_rows(joint_meanings(metric)), HEADER)
         print(EXPLANATION)

@@ -11,6 +11,7 @@ from pxr import Sdf, Usd, Vt
 from geomstats_anim import LearnedMetric, MetricParameters
 from geomstats_anim.parameters import FORMAT_VERSION
 from usd_tools.errors import ToolError
+from usd_tools.tables import counted
 
 NAMESPACE = "geodesicMetric"
 SUMMARY = f"userProperties:{NAMESPACE}"
@@ -85,7 +86,7 @@ def summary(metric: LearnedMetric) -> str:
         return "no joints"
     sides = [f"{parameters.invariance.count(side)} {side}" for side in ("left", "right")]
     family = "diagonal" if parameters.axes is None else "spd"
-    words = [metric.scheme, f"{len(metric.joints)} joints ({', '.join(sides)})", family]
+    words = [metric.scheme, f"{counted(len(metric.joints), 'joint')} ({', '.join(sides)})", family]
     words += [_range("alpha", parameters.alpha), _range("beta", parameters.beta)]
     if metric.tension.any():
         words.append(_range("tension", metric.tension))

@@ -9,14 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Usd
+from pxr import Usd
 
-from usd_tools.channels import CHANNELS
 from usd_tools.errors import ToolError
 from usd_tools.files import check_output, check_usd_output, same_file
 from usd_tools.frame_rate import USUAL
 from usd_tools.skel_reader import AnimationSource
 from usd_tools.skel_writer import OverrideLayer, save, save_copy, save_in_place
+from usd_tools.tables import counted
 
 
 def add_options(parse: argparse.ArgumentParser) -> None:
@@ -33,39 +33,39 @@ def add_format(parse: argparse.ArgumentParser) -> None:
 
 def written(path: Path, rate: float) -> str:
     """Tell that a file is written, and what whoever plays it in Blender has to know."""
-    many = "" if rate == 1.0 else "s"
-    sentences = (
-        f"{path} is written: {rate:g} time code{many} a second. Blender does not take the rate from the file: set the "
-        f"scene to {rate:g} frame{many} a second there."
-    )
-    whole = _rate_of_whole_frames(path, rate)
-    if whole is None:
-        return sentences
     return (
-        f"{sentences} Samples are between whole time codes; for programs that step through whole frames write it with "
-        f"--fps {whole:g} --retime, and set the scene to {whole:g}."
+        f"{path} is written: {counted(rate, 'time code')} a second. Blender does not take the rate from the file: set "
+        f"the scene to {counted(rate, 'frame')} a second there."
     )
 
 
-def _rate_of_whole_frames(path: Path, rate: float) -> float | None:
-    """Find the rate at which samples would be on whole frames; None if they are, or no such rate is known."""
-    layer = Sdf.Layer.OpenAsAnonymous(str(path))  # OpenUSD may still hold what the file was before
-    codes: set[float] = set()
+def better_rate(codes: np.ndarray, rate: float, frames_per_second: float | None) -> str:
+    """Advise who steps through whole frames where samples are between them; "" where they are not, or nothing helps.
 
-    def look(spec: Sdf.Path) -> None:
-        if spec.IsPrimPropertyPath() and spec.name in CHANNELS:
-            codes.update(layer.ListTimeSamplesForPath(spec))
-
-    layer.Traverse(Sdf.Path.absoluteRootPath, look)
-    seconds = np.array(sorted(codes)) / rate
-    if len(seconds) < 2 or _are_whole(seconds * rate):
-        return None
-    authored = [layer.framesPerSecond] if layer.HasFramesPerSecond() else []
+    Parameters
+    ----------
+    codes : array-like, shape=[F]
+        Time codes of samples, increasing.
+    rate : float
+        Time codes a second.
+    frames_per_second : float or None
+        What the stage says.
+    """
+    if len(codes) < 2 or _are_whole(codes):
+        return ""
+    seconds = codes / rate
+    authored = [] if frames_per_second is None else [frames_per_second]
     sampled = 1.0 / float(np.median(np.diff(seconds)))
     nearest = round(sampled)
     sampled = float(nearest) if abs(sampled - nearest) < 1e-4 * sampled else float(f"{sampled:g}")
     fitting = [each for each in (*authored, sampled, *map(float, USUAL)) if _are_whole(seconds * each)]
-    return next((each for each in (*fitting, *authored) if each != rate), None)
+    better = next((each for each in (*fitting, *authored) if each != rate), None)
+    if better is None:
+        return ""
+    return (
+        f"Samples are between whole time codes; for programs that step through whole frames write it with --fps "
+        f"{better:g} --retime, and set the scene to {better:g}."
+    )
 
 
 def _are_whole(frames: np.ndarray) -> bool:

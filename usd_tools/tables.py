@@ -37,6 +37,6 @@ def show(title: str, rows: Sequence[Sequence[str]], header: Sequence[str] = ()) 
     console.print(table)
 
 
-def counted(number: int, thing: str) -> str:
+def counted(number: float, thing: str) -> str:
     """Say how many there are of a thing, whose plural ends in s."""
-    return f"{number} {thing}{'' if number == 1 else 's'}"
+    return f"{number:g} {thing}{'' if number == 1 else 's'}"

@@ -14,6 +14,7 @@ from geomstats_anim.learning.learn import turns
 from usd_tools.errors import ToolError
 from usd_tools.resampling import animation_of
 from usd_tools.skel_reader import SkelClip
+from usd_tools.tables import counted
 
 MIN_SAMPLES = 4
 """Two segments, and a sample between keys to be rebuilt."""
@@ -92,7 +93,8 @@ def take_of(path: Path, clip: SkelClip, alone: bool = True) -> Take:
     if longest < MIN_SAMPLES:
         between = " between value blocks and steps" if len(stretches) > 1 else ""
         raise ToolError(
-            f"{path}: {clip.path} has {longest} samples{between}, too few to learn from; {MIN_SAMPLES} are needed."
+            f"{path}: {clip.path} has {counted(longest, 'sample')}{between}, too few to learn from; {MIN_SAMPLES} are "
+            "needed."
         )
     moving = tuple(stretch for stretch in stretches if stretch.n_frames >= MIN_SAMPLES and turns(stretch))
     if not moving:
@@ -126,7 +128,7 @@ def difference(take: Take, first: Take) -> str | None:
     if wanted - own:
         words.append(f"lacks {len(wanted - own)} of {len(wanted)} joints, such as {min(wanted - own)}")
     if own - wanted:
-        words.append(f"has {len(own - wanted)} others, such as {min(own - wanted)}")
+        words.append(f"has {counted(len(own - wanted), 'other')}, such as {min(own - wanted)}")
     return f"{take} is of another rig than {first}: it {', and '.join(words)}"
 
 

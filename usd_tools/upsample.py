@@ -57,10 +57,13 @@ def parser() -> argparse.ArgumentParser:
         metavar="T",
         type=TimeCodes,
         help="add samples at these time codes: numbers with commas between them, a text file of numbers, or the word "
-        "source: where usd_tools.downsample removed them",
+        "source: where usd_tools.downsample removed them; where the first number is below zero, say --times=-7.5,-3",
     )
-    parse.add_argument("--retime", action="store_true", help="with --fps: F time codes a second, so that samples are "
-                       "whole frames; the motion keeps its speed")  # fmt: skip
+    parse.add_argument(
+        "--retime",
+        action="store_true",
+        help="with --fps: F time codes a second, so that added samples are whole frames; the motion keeps its speed",
+    )
     parse.add_argument(
         "--scheme", choices=list(SCHEMES), help=f"default: the one the metric was made for, else {DEFAULT_SCHEME}"
     )
@@ -130,7 +133,7 @@ def upsample(args: argparse.Namespace) -> int:
             tell(job, args.verbose, messages)
     report = None if args.report is None else _report(args, target, stage, jobs, messages)
     # What follows reads a file that was changed in place anew, so prims may be gone from the stage.
-    _tell_file(args, target, stage, messages)
+    _tell_file(args, target, stage, jobs, messages)
     if report is not None:
         write_json(args.report, report)
     return 0
@@ -217,12 +220,20 @@ def _resample_all(
     return results
 
 
-def _tell_file(args: argparse.Namespace, target: Output, stage: Usd.Stage, messages: Messages) -> None:
-    rate = args.fps if args.retime else stage.GetTimeCodesPerSecond()
+def _tell_file(
+    args: argparse.Namespace, target: Output, stage: Usd.Stage, jobs: Sequence[Job], messages: Messages
+) -> None:
     if args.dry_run:
         print("Nothing is written: this is a dry run.")
         return
+    old_rate, root = stage.GetTimeCodesPerSecond(), stage.GetRootLayer()
+    rate = args.fps if args.retime else old_rate
     print(output.written(target.path, rate))
+    codes = np.unique(np.concatenate([job.codes for job in jobs])) * (rate / old_rate)
+    authored = root.framesPerSecond if root.HasFramesPerSecond() and not args.retime else None
+    advice = output.better_rate(codes, rate, authored)
+    if advice:
+        print(advice)
     if args.flatten:
         print(f"{standing(target.path, messages)}.")
 
