@@ -127,13 +127,14 @@ def downsample(args: argparse.Namespace) -> int:
         if not moving:
             raise ToolError(f"{args.input} has no skeletal animation with two samples or more to choose from.")
         _write(args, target, stage, moving, messages)
-    checked = verified(target.path, moving, wanted)
+    with usd_warnings(messages):
+        checked = verified(target.path, moving, wanted)
     described = [downsample_report.described(each) for each in checked]
     for each, values in zip(checked, described, strict=True):
         downsample_report.tell(each.clip, values, args.verbose)
         if args.tolerance is not None:
             downsample_report.warn_of_twists(values, args.tolerance, messages)
-    downsample_report.tell_file(args.input, size_before, target.path)
+    downsample_report.tell_file(args.input, size_before, target.path, messages)
     if args.picture is not None:
         downsample_report.draw(checked, args.picture)
     if args.report is not None:
@@ -155,7 +156,7 @@ def _check_picture(args: argparse.Namespace, target: Output) -> None:
 def _write(
     args: argparse.Namespace, target: Output, stage: Usd.Stage, reduced: Sequence[Reduced], messages: Messages
 ) -> None:
-    layer = target.layer(stage, TOOL, _settings(args))
+    layer = target.layer(stage, TOOL, _settings(args), messages)
     for each in reduced:
         sampled = {name: channel for name, channel in each.sparse.channels.items() if len(channel.codes)}
         constant = {name: each.sparse.channels[name].default for name in each.sparse.channels if name not in sampled}

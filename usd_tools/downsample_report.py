@@ -14,7 +14,7 @@ from geomstats_anim import LearnedMetric
 from geomstats_anim.learning.learn import SCHEMES as LEARNED_SCHEMES
 from geomstats_anim.rotations import Array
 from usd_tools.errors import Messages
-from usd_tools.files import needed_files, same_file, written_beside
+from usd_tools.files import same_file, standing, written_beside
 from usd_tools.kept_bytes import clip_bytes_numpy, clip_bytes_usdc
 from usd_tools.metric_attributes import summary
 from usd_tools.reduction import Reduced
@@ -116,13 +116,11 @@ def _cells(errors: dict[str, Any]) -> list[str]:
     return [f"{errors[unit][word]:.3f}" for unit in ("degrees", "centimetres") for word in words]
 
 
-def tell_file(source: Path, size_before: int, out: Path) -> None:
+def tell_file(source: Path, size_before: int, out: Path, messages: Messages) -> None:
     """Say what is written, what else it needs, and how to get the rest back."""
-    others = [path for path in needed_files(out) if path != out.resolve()]
-    stands = f"It needs {', '.join(sorted(path.name for path in others))} too" if others else "It stands alone"
     print(
-        f"{out} is written: {size_before} -> {out.stat().st_size} bytes. {stands}; get all samples back with: "
-        f"python -m usd_tools.upsample {shlex.quote(str(out))} -o BACK.usda --times source"
+        f"{out} is written: {size_before} -> {out.stat().st_size} bytes. {standing(out, messages)}; get all samples "
+        f"back with: python -m usd_tools.upsample {shlex.quote(str(out))} -o BACK.usda --times source"
     )
     if out.suffix == ".usda" and out.stat().st_size > size_before:
         before = "it was" if same_file(out, [source]) else source.name

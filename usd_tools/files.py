@@ -127,7 +127,7 @@ def same_file(path: Path, others: Iterable[str | Path]) -> bool:
     return path.exists() and any(os.path.exists(other) and os.path.samefile(path, other) for other in others)
 
 
-def needed_files(path: Path) -> set[Path]:
+def _needed_files(path: Path) -> set[Path]:
     """Find all files that a USD file is made of, itself and missing ones among them; of packages, the packages."""
     layers, assets, missing = _dependencies(path)
     names = [layer.realPath for layer in layers] + assets + missing
@@ -144,7 +144,7 @@ def standing(path: Path, messages: Messages) -> str:
     missing = missing_files(path)
     if missing:
         messages.warn(f"{path} needs what is nowhere: {', '.join(missing)}.")
-    others = sorted({other.name for other in needed_files(path) if other != path.resolve()})
+    others = sorted({other.name for other in _needed_files(path) if other != path.resolve()})
     return f"It needs {', '.join(others)} too" if others else "It stands alone"
 
 

@@ -219,7 +219,7 @@ def _write(
     lessons: Sequence[Lesson],
     messages: Messages,
 ) -> None:
-    layer = target.layer(stage, TOOL, _settings(args))
+    layer = target.layer(stage, TOOL, _settings(args), messages)
     for clip, lesson in zip(clips, lessons, strict=True):
         metric, _ = lesson.metric.for_joints(clip.joints)
         # An animation within an instance may have to move out of it, and must take its samples along.

@@ -11,17 +11,26 @@ from typing import Any
 import numpy as np
 from pxr import Usd
 
-from usd_tools.errors import ToolError
+from usd_tools.errors import Messages, ToolError
 from usd_tools.files import check_output, check_usd_output, same_file
 from usd_tools.frame_rate import USUAL
+from usd_tools.openusd_gaps import lost_by_flattening
 from usd_tools.skel_reader import AnimationSource
 from usd_tools.skel_writer import OverrideLayer, save, save_copy, save_in_place
 from usd_tools.tables import counted
 
+_A_FEW = 5
+"""Variant sets that are named; a crowd has more."""
+
 
 def add_options(parse: argparse.ArgumentParser) -> None:
     """Add the options that say how a USD file is written."""
-    parse.add_argument("-f", "--flatten", action="store_true", help="write one file that does not need the source")
+    parse.add_argument(
+        "-f",
+        "--flatten",
+        action="store_true",
+        help="write one file that does not need the source, but for textures, which stay where they are",
+    )
     add_format(parse)
     parse.add_argument("--in-place", action="store_true", help="change IN itself")
 
@@ -161,9 +170,18 @@ class Output:
         return replace(self, flatten=True)
 
     def layer(
-        self, stage: Usd.Stage, tool: str, settings: Mapping[str, Any], codes_per_second: float | None = None
+        self,
+        stage: Usd.Stage,
+        tool: str,
+        settings: Mapping[str, Any],
+        messages: Messages,
+        codes_per_second: float | None = None,
     ) -> OverrideLayer:
-        """Begin the layer that is to be written; see `OverrideLayer`."""
+        """Begin the layer that is to be written, see `OverrideLayer`; warn of what flattening will take from it."""
+        fixed = lost_by_flattening(stage) if self.flatten else []
+        if fixed:
+            more = f" and {len(fixed) - _A_FEW} more" if len(fixed) > _A_FEW else ""
+            messages.warn(f"flattening fixes variant sets: {', '.join(fixed[:_A_FEW])}{more}.")
         base = stage.GetRootLayer() if (self.in_place or self.copy) and not self.flatten else None
         return OverrideLayer(stage, tool, settings, codes_per_second, base)
 

@@ -21,7 +21,6 @@ from usd_tools.arguments import positive_number, whole_number
 from usd_tools.effective_metric import WITH_METRIC, EffectiveMetric, effective_metrics
 from usd_tools.errors import Messages, ToolError, run, usd_warnings
 from usd_tools.files import open_stage, reading, standing, write_json
-from usd_tools.openusd_gaps import lost_by_flattening
 from usd_tools.output import Output
 from usd_tools.progress import Progress
 from usd_tools.resampling import Resampled, at_rate, resample, subdivided, with_codes
@@ -34,9 +33,6 @@ MAX_ROTATIONS = 1 << 27
 """More than these are taken for a slip of the finger: 2 GiB of quaternions."""
 
 _ABOUT_METRIC = ("metric", "alpha", "beta", "invariance", "joint")
-
-_A_FEW = 5
-"""Variant sets that are named; a crowd has more."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -125,8 +121,6 @@ def upsample(args: argparse.Namespace) -> int:
         targets = [_target_codes(args, clip, messages) for clip in clips]
         results = _resample_all(clips, targets, metrics)
         jobs = [Job(*parts) for parts in zip(clips, targets, metrics, results, strict=True)]
-        if args.flatten:
-            _tell_variants(stage, messages)
         if not args.dry_run:
             _write(args, target, stage, jobs, messages)
         for job in jobs:
@@ -168,13 +162,6 @@ def _check_schemes(args: argparse.Namespace, clips: Sequence[SkelClip], metrics:
                 f"{clip.path}: the scheme {effective.metric.scheme} has no metric; leave out {', '.join(options)}, or "
                 f"say --scheme {' or '.join(WITH_METRIC)}."
             )
-
-
-def _tell_variants(stage: Usd.Stage, messages: Messages) -> None:
-    fixed = lost_by_flattening(stage)
-    if fixed:
-        more = f" and {len(fixed) - _A_FEW} more" if len(fixed) > _A_FEW else ""
-        messages.warn(f"--flatten fixes variant sets: {', '.join(fixed[:_A_FEW])}{more}.")
 
 
 def _target_codes(args: argparse.Namespace, clip: SkelClip, messages: Messages) -> np.ndarray:
@@ -257,7 +244,7 @@ def _settings(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _write(args: argparse.Namespace, target: Output, stage: Usd.Stage, jobs: Sequence[Job], messages: Messages) -> None:
-    override = target.layer(stage, "usd_tools.upsample", _settings(args), args.fps if args.retime else None)
+    override = target.layer(stage, "usd_tools.upsample", _settings(args), messages, args.fps if args.retime else None)
     for job in jobs:
         metric = job.effective.metric if job.clip.joints else None
         override.write_animation(job.clip.source, job.result.channels, job.clip.missing, metric, messages)

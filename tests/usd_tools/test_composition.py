@@ -58,7 +58,9 @@ def call(run, verb, source, out):
     code, _, err = run(verb, source, "-o", out, *VERBS[verb], *flat)
     variant = "/Shot/Hero/Anim is of the variant {take=two} of /Shot/Hero"
     hidden = f"warning: {variant}; samples in the output hide those of its other variants.\n"
-    fixed = "warning: --flatten fixes variant sets: take of /Shot/Hero at two.\n" if flat and verb == "upsample" else ""
+    fixed = (
+        "warning: flattening fixes variant sets: take of /Shot/Hero at two.\n" if flat or verb == "downsample" else ""
+    )
     assert (code, err) == (0, hidden + fixed)
 
 
@@ -250,4 +252,4 @@ def test_flattening_names_a_few_variant_sets(tmp_path, run):
     stage.Save()
     _, _, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2, "-f")
     others = ", ".join(f"look of /Rig/Prop{i} at red" for i in range(1, 5))
-    assert err == f"warning: --flatten fixes variant sets: look of /Rig/Prop0 at none, {others} and 2 more.\n"
+    assert err == f"warning: flattening fixes variant sets: look of /Rig/Prop0 at none, {others} and 2 more.\n"
