@@ -78,8 +78,8 @@ def warn_of_twists(values: Mapping[str, Any], tolerance: float, messages: Messag
     if turned["degrees"] > _FAR_OFF_DEGREES:
         messages.warn(
             f"{values['prim']}: every bone end is within {tolerance:g} cm, but a rotation is off by {_turned(turned)}, "
-            "for turning about a bone's own axis moves no bone end; name samples that must stay with --keep, or choose "
-            "by angles: --rate or --keys with --kind rot."
+            "for turning about a bone's own axis, or of a short bone, moves its end little; name samples to keep "
+            "with --keep, or choose by angles: --rate or --keys with --kind rot."
         )
 
 

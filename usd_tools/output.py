@@ -64,7 +64,7 @@ def better_rate(codes: np.ndarray, rate: float, frames_per_second: float | None)
         return ""
     seconds = codes / rate
     authored = [] if frames_per_second is None else [frames_per_second]
-    sampled = 1.0 / float(np.median(np.diff(seconds)))
+    sampled = 1.0 / max(float(np.median(np.diff(seconds))), 1e-6)
     nearest = round(sampled)
     sampled = float(nearest) if abs(sampled - nearest) < 1e-4 * sampled else float(f"{sampled:g}")
     fitting = [each for each in (*authored, sampled, *map(float, USUAL)) if _are_whole(seconds * each)]

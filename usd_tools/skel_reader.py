@@ -273,7 +273,7 @@ def read_clip(source: AnimationSource) -> SkelClip:
         )
     if any(channel.is_animated for channel in channels.values()):
         notes += [
-            f"{source.path} is of the variant {variant}; samples in the output hide those of its other variants."
+            f"{source.path} is of the variant {variant}; what is written over it hides its other variants."
             for variant in chosen_variants(prim)
         ]
     notes += [

@@ -39,4 +39,4 @@ def show(title: str, rows: Sequence[Sequence[str]], header: Sequence[str] = ()) 
 
 def counted(number: float, thing: str) -> str:
     """Say how many there are of a thing, whose plural ends in s."""
-    return f"{number:g} {thing}{'' if number == 1 else 's'}"
+    return f"{number if isinstance(number, int) else format(number, 'g')} {thing}{'' if number == 1 else 's'}"

@@ -57,7 +57,7 @@ def call(run, verb, source, out):
     flat = ["--flatten"] if out.name.startswith("flat") else []
     code, _, err = run(verb, source, "-o", out, *VERBS[verb], *flat)
     variant = "/Shot/Hero/Anim is of the variant {take=two} of /Shot/Hero"
-    hidden = f"warning: {variant}; samples in the output hide those of its other variants.\n"
+    hidden = f"warning: {variant}; what is written over it hides its other variants.\n"
     fixed = (
         "warning: flattening fixes variant sets: take of /Shot/Hero at two.\n" if flat or verb == "downsample" else ""
     )
