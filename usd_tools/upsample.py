@@ -215,12 +215,9 @@ def _tell_file(
         return
     old_rate, root = stage.GetTimeCodesPerSecond(), stage.GetRootLayer()
     rate = args.fps if args.retime else old_rate
-    print(output.written(target.path, rate))
     codes = np.unique(np.concatenate([job.codes for job in jobs])) * (rate / old_rate)
     authored = root.framesPerSecond if root.HasFramesPerSecond() and not args.retime else None
-    advice = output.better_rate(codes, rate, authored)
-    if advice:
-        print(advice)
+    print(*filter(None, [output.written(target.path, rate), output.better_rate(codes, rate, authored)]))
     if args.flatten:
         print(f"{standing(target.path, messages)}.")
 
