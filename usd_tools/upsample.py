@@ -53,7 +53,7 @@ def parser() -> argparse.ArgumentParser:
         metavar="T",
         type=TimeCodes,
         help="add samples at these time codes: numbers with commas between them, a text file of numbers, or the word "
-        "source: where usd_tools.downsample removed them; where the first number is below zero, say --times=-7.5,-3",
+        "source: where usd_tools.downsample removed them; where the first number is below zero, say '--times=-7.5,-3'",
     )
     parse.add_argument(
         "--retime",
