@@ -13,9 +13,9 @@ import numpy as np
 
 from geomstats_anim import SCHEMES, Animation, LearnedMetric, quality, uniform_keyframes
 from geomstats_anim import rotations as quat
+from geomstats_anim.interpolation import WITH_METRIC
 from geomstats_anim.learning.gradient import FAMILIES
 from geomstats_anim.learning.learn import PURPOSES, STILL, learn_metric
-from geomstats_anim.learning.learn import SCHEMES as LEARNED_SCHEMES
 from geomstats_anim.quality import location_errors, rotation_errors
 from usd_tools.kept_bytes import bytes_numpy, bytes_usdc
 from usd_tools.takes import Take
@@ -54,7 +54,7 @@ class Contender:
         scheme, colon, family = text.partition(":")
         if scheme not in SCHEMES:
             raise argparse.ArgumentTypeError(f"there is no scheme {scheme!r}; the schemes are {', '.join(SCHEMES)}")
-        if scheme not in LEARNED_SCHEMES:
+        if scheme not in WITH_METRIC:
             if colon:
                 raise argparse.ArgumentTypeError(f"{scheme} has no metric, so it has no family; say {scheme} alone")
             return cls(scheme, scheme, None)

@@ -15,10 +15,10 @@ from typing import Any
 from pxr import Usd
 
 from geomstats_anim import SCHEMES, __version__
+from geomstats_anim.interpolation import WITH_METRIC
 from geomstats_anim.keyframes import CRITERIA
 from geomstats_anim.learning.compression import SELECTIONS
 from geomstats_anim.learning.gradient import FAMILIES
-from geomstats_anim.learning.learn import SCHEMES as LEARNED_SCHEMES
 from usd_tools import downsample_report, output, selection
 from usd_tools.arguments import positive_number, share, whole_number
 from usd_tools.errors import Messages, ToolError, run, usd_warnings
@@ -71,7 +71,7 @@ def parser() -> argparse.ArgumentParser:
     parse.add_argument(
         "--family",
         choices=FAMILIES,
-        help=f"of the metric of {' or '.join(LEARNED_SCHEMES)}, see usd_tools.learn; default: spd, or diagonal for "
+        help=f"of the metric of {' or '.join(WITH_METRIC)}, see usd_tools.learn; default: spd, or diagonal for "
         "--tolerance",
     )
     parse.add_argument(
@@ -100,7 +100,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         parse.error(f"--kind {args.kind} goes with --rate or --keys; --tolerance is about the largest distance")
     if args.keep is not None and args.select == "uniform":
         parse.error("--keep goes with --select optimal; uniform samples are where they are")
-    if args.family is not None and args.scheme not in LEARNED_SCHEMES:
+    if args.family is not None and args.scheme not in WITH_METRIC:
         parse.error(f"--scheme {args.scheme} has no metric, so it has no family; leave out --family {args.family}")
     return run(lambda: downsample(args))
 

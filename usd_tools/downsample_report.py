@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from geomstats_anim import LearnedMetric
-from geomstats_anim.learning.learn import SCHEMES as LEARNED_SCHEMES
+from geomstats_anim.interpolation import WITH_METRIC
 from geomstats_anim.rotations import Array
 from usd_tools.errors import Messages
 from usd_tools.files import same_file, standing, written_beside
@@ -40,7 +40,7 @@ def tell(clip: SkelClip, values: Mapping[str, Any], verbose: bool) -> None:
         f"{clip.path}: {values['kept_samples']} of {values['samples']} samples kept, {joints}; "
         f"{values['bytes_usdc_before']} -> {values['bytes_usdc_after']} bytes as usdc, "
         f"{values['bytes_numpy_before']} -> {values['bytes_numpy_after']} as NumPy, "
-        f"{'metric' if values['scheme'] in LEARNED_SCHEMES else 'scheme'} included"
+        f"{'metric' if values['scheme'] in WITH_METRIC else 'scheme'} included"
     )
     print(f"  {values['metric_summary']}")
     show(
@@ -171,7 +171,7 @@ def described(reduced: Reduced) -> dict[str, Any]:
 
 def _summary_of(metric: LearnedMetric) -> str:
     """Tell a metric in one line, and of a scheme that uses none just its name."""
-    if metric.scheme in LEARNED_SCHEMES:
+    if metric.scheme in WITH_METRIC:
         return summary(metric)
     return f"{metric.scheme}, {counted(len(metric.joints), 'joint')}"
 

@@ -7,14 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from geomstats_anim import SCHEMES, LearnedMetric
-from geomstats_anim.interpolation import Geodesic
+from geomstats_anim.interpolation import WITH_METRIC
 from usd_tools.errors import Messages, ToolError
 from usd_tools.metric_attributes import read_metric
 from usd_tools.skel_reader import SkelClip
 from usd_tools.style_controls import DEFAULT_SCHEME, Style, styled, unmatched
-
-WITH_METRIC = tuple(name for name, curve in SCHEMES.items() if issubclass(curve, Geodesic))
-"""Schemes that have a metric; those of `learning.learn`, which takes long to import."""
 
 _WORDS = ("stored", "identity", "learn")
 

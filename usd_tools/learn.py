@@ -16,8 +16,9 @@ from typing import Any
 from pxr import Usd
 
 from geomstats_anim import __version__
+from geomstats_anim.interpolation import WITH_METRIC
 from geomstats_anim.learning.gradient import FAMILIES, INVARIANCE_CHOICES
-from geomstats_anim.learning.learn import PURPOSES, SCHEMES, SEARCHES
+from geomstats_anim.learning.learn import PURPOSES, SEARCHES
 from geomstats_anim.learning.tpe import TRIALS, TuneSettings
 from geomstats_anim.quality import KINDS
 from usd_tools import learn_report, output, selection
@@ -83,7 +84,9 @@ def parser() -> argparse.ArgumentParser:
         default="joint",
         help="side: left, right, the better one for all joints (clip), or for each joint (default)",
     )
-    parse.add_argument("--scheme", choices=SCHEMES, default=SCHEMES[0], help="interpolation that the metric is for")
+    parse.add_argument(
+        "--scheme", choices=WITH_METRIC, default=WITH_METRIC[0], help="interpolation that the metric is for"
+    )
     parse.add_argument(
         "--kind",
         choices=KINDS,

@@ -11,7 +11,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from geomstats_anim import LearnedMetric
-from geomstats_anim.learning.learn import SCHEMES
+from geomstats_anim.interpolation import WITH_METRIC
 from usd_tools.errors import Messages, ToolError
 from usd_tools.lesson import Recipe, teach
 from usd_tools.progress import SearchProgress
@@ -44,9 +44,9 @@ def taught_by_itself(path: Path, clip: SkelClip, scheme: str | None, messages: M
     ToolError
         If nothing can be learned for the scheme.
     """
-    if scheme is not None and scheme not in SCHEMES:
+    if scheme is not None and scheme not in WITH_METRIC:
         raise ToolError(
-            f"--metric learn learns for --scheme {', '.join(SCHEMES)}, not for {scheme}; choose one of them."
+            f"--metric learn learns for --scheme {', '.join(WITH_METRIC)}, not for {scheme}; choose one of them."
         )
     recipe = Recipe(rate=RATE, purpose="predict", scheme=scheme or DEFAULT_SCHEME)
     try:

@@ -15,10 +15,11 @@ import numpy as np
 from pxr import Usd
 
 from geomstats_anim import SCHEMES, __version__
+from geomstats_anim.interpolation import WITH_METRIC
 from geomstats_anim.parameters import INVARIANCES
 from usd_tools import output, selection
 from usd_tools.arguments import positive_number, whole_number
-from usd_tools.effective_metric import WITH_METRIC, EffectiveMetric, effective_metrics
+from usd_tools.effective_metric import EffectiveMetric, effective_metrics
 from usd_tools.errors import Messages, ToolError, run, usd_warnings
 from usd_tools.files import open_stage, reading, standing, write_json
 from usd_tools.output import Output

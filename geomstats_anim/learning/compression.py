@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geomstats_anim.animation import Animation
-from geomstats_anim.interpolation import SCHEMES
+from geomstats_anim.interpolation import SCHEMES, WITH_METRIC
 from geomstats_anim.keyframes import KeyProblem, by_halving, uniform_keyframes
-from geomstats_anim.learning.learn import SCHEMES as LEARNED_SCHEMES
 from geomstats_anim.learning.learn import learn_metric, turns
 from geomstats_anim.parameters import LearnedMetric
 
@@ -149,7 +148,7 @@ def compress(
         )
 
     plain = LearnedMetric.plain(animations[0].skeleton.joints, scheme)
-    learn: Fit = fit if scheme in LEARNED_SCHEMES else lambda keyframes, family=family: None
+    learn: Fit = fit if scheme in WITH_METRIC else lambda keyframes, family=family: None
     if select == "uniform":
         return _uniform(problems, plain, learn)
     start = [problem.under_slerp() for problem in problems]

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from geomstats_anim import rotations as quat
 from geomstats_anim._version import __version__
 from geomstats_anim.animation import Animation
-from geomstats_anim.interpolation import SCHEMES as INTERPOLATION_SCHEMES
+from geomstats_anim.interpolation import SCHEMES, WITH_METRIC
 from geomstats_anim.learning.gradient import Found, Learnable, search_gradient
 from geomstats_anim.learning.objective import Objective
 from geomstats_anim.learning.shrinkage import Fold, blocks, shrink
@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
 SEARCHES = ("gradient", "tpe", "tpe-joint")
 PURPOSES = ("reconstruct", "predict")
-SCHEMES = ("geodesic", "geodesic-spline")
-"""Schemes whose parameters can be learned."""
 
 
 def learn_metric(
@@ -124,7 +122,7 @@ def learn_metric(
     for name, word, words in (
         ("search", search, SEARCHES),
         ("purpose", purpose, PURPOSES),
-        ("scheme", scheme, SCHEMES),
+        ("scheme", scheme, WITH_METRIC),
     ):
         if word not in words:
             raise ValueError(f"There is no {name} {word!r}; the choices are {', '.join(words)}.")
@@ -169,7 +167,7 @@ def learn_metric(
     def score(scheme_name: str, metric: LearnedMetric | None = None) -> float:
         total = 0.0
         for clip, kept in zip(animations, keys, strict=True):
-            rebuilt = INTERPOLATION_SCHEMES[scheme_name](clip.at_frames(kept), metric)(clip.times)
+            rebuilt = SCHEMES[scheme_name](clip.at_frames(kept), metric)(clip.times)
             total += clip.n_frames * quality(rebuilt, clip, kind, weights, location_weight)
         return total / sum(clip.n_frames for clip in animations)
 

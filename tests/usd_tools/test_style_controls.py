@@ -7,7 +7,7 @@ import pytest
 from rigs import make_rig, stored_metric
 
 from geomstats_anim import SCHEMES, LearnedMetric
-from usd_tools.effective_metric import WITH_METRIC
+from geomstats_anim.interpolation import WITH_METRIC
 from usd_tools.style_controls import parse_style, styled
 
 JOINTS = ["rig:Hips", "rig:Hips/rig:LeftArm", "rig:Hips/rig:LeftArm/rig:LeftHand"]
@@ -77,9 +77,3 @@ def test_schemes_without_metric_and_stored_ones(tmp_path, run, refuse):
     again = ("upsample", tmp_path / "slerped.usda", "-o", tmp_path / "again.usda", "--factor", 2)
     assert refuse(*again, "--alpha", 3).startswith("/Rig/Anim: the scheme slerp has no metric; leave out --alpha")
     assert run(*again, "--metric", "stored")[0] == 0
-
-
-def test_schemes_with_metric_are_those_that_learn():
-    from geomstats_anim.learning.learn import SCHEMES as LEARNED_SCHEMES
-
-    assert set(WITH_METRIC) == set(LEARNED_SCHEMES)
