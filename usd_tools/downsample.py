@@ -21,7 +21,7 @@ from geomstats_anim.learning.compression import SELECTIONS
 from geomstats_anim.learning.gradient import FAMILIES
 from usd_tools import downsample_report, output, selection
 from usd_tools.arguments import positive_number, share, whole_number
-from usd_tools.errors import Messages, ToolError, run, usd_warnings
+from usd_tools.errors import Messages, ToolError, run, usd_unheard, usd_warnings
 from usd_tools.files import check_output, open_stage, reading, same_file, write_json
 from usd_tools.output import Output
 from usd_tools.progress import SearchProgress
@@ -127,7 +127,7 @@ def downsample(args: argparse.Namespace) -> int:
         if not moving:
             raise ToolError(f"{args.input} has no skeletal animation with two samples or more to choose from.")
         _write(args, target, stage, moving, messages)
-    with usd_warnings(messages):
+    with usd_unheard():  # the source has told what is wrong
         checked = verified(target.path, moving, wanted)
     described = [downsample_report.described(each) for each in checked]
     for each, values in zip(checked, described, strict=True):

@@ -70,6 +70,16 @@ def usd_warnings(messages: Messages) -> Iterator[None]:
                 messages.warn(line)
 
 
+@contextmanager
+def usd_unheard() -> Iterator[None]:
+    """Keep OpenUSD from printing what is told in another way, or has been already."""
+    delegate = UsdUtils.CoalescingDiagnosticDelegate()
+    try:
+        yield
+    finally:
+        delegate.TakeUncoalescedDiagnostics()
+
+
 def run(command: Callable[[], int]) -> int:
     """Run a command and turn its errors into one sentence on stderr.
 

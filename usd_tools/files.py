@@ -12,7 +12,7 @@ from typing import Any
 
 from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 
-from usd_tools.errors import TEMPORARY, Messages, ToolError, commentary
+from usd_tools.errors import TEMPORARY, Messages, ToolError, commentary, usd_unheard
 
 EXTENSIONS = (".usd", ".usda", ".usdc", ".usdz")
 
@@ -136,7 +136,7 @@ def _needed_files(path: Path) -> set[Path]:
 
 def missing_files(path: Path) -> list[str]:
     """Name the files that a USD file is made of, but which are nowhere."""
-    return sorted({Path(name.rstrip("]")).name for name in _dependencies(path)[2]})
+    return sorted({Path(Ar.SplitPackageRelativePathInner(name)[1] or name).name for name in _dependencies(path)[2]})
 
 
 def standing(path: Path, messages: Messages) -> str:
@@ -150,12 +150,11 @@ def standing(path: Path, messages: Messages) -> str:
 
 def _dependencies(path: Path) -> tuple[list[Sdf.Layer], list[str], list[str]]:
     """Call `UsdUtils.ComputeAllDependencies`, and keep it from printing what it does not find."""
-    unheard = UsdUtils.CoalescingDiagnosticDelegate()
-    held = Sdf.Layer.Find(str(path))
-    if held:
-        held.Reload()  # OpenUSD may still hold what the file was before
-    layers, assets, missing = UsdUtils.ComputeAllDependencies(str(path))
-    unheard.TakeUncoalescedDiagnostics()
+    with usd_unheard():
+        held = Sdf.Layer.Find(str(path))
+        if held:
+            held.Reload()  # OpenUSD may still hold what the file was before
+        layers, assets, missing = UsdUtils.ComputeAllDependencies(str(path))
     return list(layers), list(assets), list(missing)
 
 

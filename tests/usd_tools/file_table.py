@@ -16,7 +16,8 @@ class Row:
     Animations by their prims: a letter for every channel that has a value, and its number of samples if there are any.
     Two samples or more are animated; one sample, or a value without, is passed through like the rest of the file.
 
-    A verb has the sentence with which it refuses the file, None if it does not; {} is the path of the file.
+    A verb has the sentence with which it refuses the file, None if it does not; {} is the path of the file. What it
+    needs, but is not there, is nowhere.
     """
 
     animations: dict[str, str] = field(default_factory=dict)
@@ -25,6 +26,7 @@ class Row:
     compare: str | None = None
     downsample: str | None = None
     warnings: tuple[str, ...] = ()
+    nowhere: tuple[str, ...] = ()
 
     @property
     def samples(self):
@@ -72,6 +74,7 @@ def wide(prim, joint, degrees, *spans):
 NONE_OF_THEM = "{} has no animation to learn from."
 ONE_SEGMENT = "--rate 0.3 keeps 2 of the 5 samples of {name}, which is one segment; say at least 0.6."
 ELEPHANT = {"Elefant/_anim": "R3023 T3023 S", "Elefant_Monochord_Play/_anim": "R3023 T S"}
+LACKS_OF_ELEPHANT = ("Elefant.mp3", "Elefant_Diff.packed.png", "Monochord_diff.png")
 BENDS = ("/Root/Skeleton/Animation", "joint1/joint2", "174.9", "60 to 90", "90 to 120")
 THUMB = "Hips/LowerBack/Spine/Spine1/RightShoulder/RightArm/RightForeArm/RightHand/RThumb"
 NO_BIND_POSE = tuple(
@@ -125,7 +128,8 @@ TABLE = {
     ),
     "usd/mayausd_skinCluster.usda": Row({"/group1/joint1/Animation": "R101 T S"}),
     "usd/needle_CesiumMan.glb.openusd.usdz": Row(
-        {"/CesiumMan/Z_UP/Armature/Armature_SkelRoot/Armature/SkelAnim": "R48 T48 S48"}
+        {"/CesiumMan/Z_UP/Armature/Armature_SkelRoot/Armature/SkelAnim": "R48 T48 S48"},
+        nowhere=("Cesium_Man-effect_diffuse.jpg",),
     ),
     "usd/openusd_bake_blendshapes.usda": only_weights(
         {"/TestPlane/Skel/Anim": "W131"}, unsampled("/TestPlane/Skel/Anim")
@@ -192,10 +196,12 @@ TABLE = {
     ),
     "usd/usdwg_CesiumMan.usdz": Row({"/CesiumMan/Animations/skelAnim_0": "R48 T48 S48"}),
     "usd/usdwg_ElephantWithMonochord/SoC-ElephantWithMonochord.usdc": Row(
-        {f"/SoC_ElephantWithMonochord/Object/{prim}": channels for prim, channels in ELEPHANT.items()}
+        {f"/SoC_ElephantWithMonochord/Object/{prim}": channels for prim, channels in ELEPHANT.items()},
+        nowhere=LACKS_OF_ELEPHANT,
     ),
     "usd/usdwg_ElephantWithMonochord/SoC-ElephantWithMonochord_thumbnail.usda": Row(
-        {f"/Elephant/Object/{prim}": channels for prim, channels in ELEPHANT.items()}
+        {f"/Elephant/Object/{prim}": channels for prim, channels in ELEPHANT.items()},
+        nowhere=LACKS_OF_ELEPHANT,
     ),
     "usd/usdwg_RiggedFigure.usdz": too_short(
         {"/RiggedFigure/Animations/skelAnim_0": "R2 T2 S2"}, few("/RiggedFigure/Animations/skelAnim_0", 2)
