@@ -95,7 +95,7 @@ def read_clips(path: Path, prims: Sequence[str], messages: Messages) -> list[Ske
     except ToolError as error:
         raise ToolError(str(error) if str(path) in str(error) else f"{path}: {error}") from error
     for clip in clips:
-        for note in (*clip.notes, *filter(None, [left_sparse(clip)])):
+        for note in (*clip.notes, *left_sparse(clip)):
             messages.warn(note)
     return clips
 

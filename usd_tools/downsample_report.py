@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from geomstats_anim.interpolation import WITH_METRIC
 from geomstats_anim.rotations import Array
 from usd_tools.errors import Messages
 from usd_tools.files import same_file, standing, written_beside
+from usd_tools.joint_names import short_names
 from usd_tools.kept_bytes import clip_bytes_numpy, clip_bytes_usdc
 from usd_tools.metric_attributes import summary
 from usd_tools.reduction import Reduced
@@ -85,30 +85,6 @@ def warn_of_twists(values: Mapping[str, Any], tolerance: float, messages: Messag
 
 def _turned(turned: Mapping[str, Any]) -> str:
     return f"{turned['degrees']:.3g} degrees, joint {turned['joint']} at time code {turned['time_code']:g}"
-
-
-def short_names(joints: Sequence[str]) -> dict[str, str]:
-    """Take as much from the end of each joint's path as tells it from the others.
-
-    Parameters
-    ----------
-    joints : sequence of str
-        Full paths.
-
-    Returns
-    -------
-    names : dict
-        By path.
-    """
-    ends = {joint: _ends(joint) for joint in joints}
-    counts = Counter(end for each in ends.values() for end in each)
-    return {joint: next((end for end in each if counts[end] == 1), joint) for joint, each in ends.items()}
-
-
-def _ends(joint: str) -> list[str]:
-    """All ends of a path, the shortest first."""
-    parts = joint.split("/")
-    return ["/".join(parts[start:]) for start in reversed(range(len(parts)))]
 
 
 def _cells(errors: dict[str, Any]) -> list[str]:

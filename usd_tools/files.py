@@ -127,25 +127,25 @@ def same_file(path: Path, others: Iterable[str | Path]) -> bool:
     return path.exists() and any(os.path.exists(other) and os.path.samefile(path, other) for other in others)
 
 
-def _needed_files(path: Path) -> set[Path]:
-    """Find all files that a USD file is made of, itself and missing ones among them; of packages, the packages."""
-    layers, assets, missing = _dependencies(path)
-    names = [layer.realPath for layer in layers] + assets + missing
-    return {Path(Ar.SplitPackageRelativePathOuter(name)[0]).resolve() for name in names}
-
-
 def missing_files(path: Path) -> list[str]:
     """Name the files that a USD file is made of, but which are nowhere."""
-    return sorted({Path(Ar.SplitPackageRelativePathInner(name)[1] or name).name for name in _dependencies(path)[2]})
+    return _innermost(_dependencies(path)[2])
 
 
 def standing(path: Path, messages: Messages) -> str:
     """Tell in a sentence without its dot which other files a USD file needs; warn of those that are nowhere."""
-    missing = missing_files(path)
+    layers, assets, missing = _dependencies(path)
     if missing:
-        messages.warn(f"{path} needs what is nowhere: {', '.join(missing)}.")
-    others = sorted({other.name for other in _needed_files(path) if other != path.resolve()})
+        messages.warn(f"{path} needs what is nowhere: {', '.join(_innermost(missing))}.")
+    names = [layer.realPath for layer in layers] + assets + missing
+    files = {Path(Ar.SplitPackageRelativePathOuter(name)[0]).resolve() for name in names}  # of packages, the packages
+    others = sorted({file.name for file in files if file != path.resolve()})
     return f"It needs {', '.join(others)} too" if others else "It stands alone"
+
+
+def _innermost(names: Iterable[str]) -> list[str]:
+    """Names of files without their folders, and without the packages that they are in."""
+    return sorted({Path(Ar.SplitPackageRelativePathInner(name)[1] or name).name for name in names})
 
 
 def _dependencies(path: Path) -> tuple[list[Sdf.Layer], list[str], list[str]]:

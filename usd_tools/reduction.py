@@ -136,7 +136,7 @@ def reduce_clip(
         If it cannot be done as wanted.
     """
     clip = aligned(clip)
-    for note in (*clip.notes, *filter(None, [left_sparse(clip)])):
+    for note in (*clip.notes, *left_sparse(clip)):
         messages.warn(note)
     if not (clip.is_animated and clip.joints):
         return None

@@ -82,16 +82,16 @@ def remembering(clips: Sequence[SkelClip], messages: Messages) -> list[SkelClip]
     return found or list(clips)
 
 
-def left_sparse(clip: SkelClip) -> str | None:
-    """Sentence about an animation that `usd_tools.downsample` made sparse and nobody has rebuilt; None for others."""
+def left_sparse(clip: SkelClip) -> list[str]:
+    """Note on an animation that `usd_tools.downsample` made sparse and nobody has rebuilt; none on others."""
     remembered = _remembered(clip)
     n_kept = min((len(channel.codes) for channel in clip.channels.values() if channel.is_animated), default=0)
     if remembered is None or len(remembered[0]) <= n_kept:
-        return None
-    return (
+        return []
+    return [
         f"{clip.path} is sparse: it keeps {n_kept} of {len(remembered[0])} samples, only these are looked at, "
         "and with another metric the rest cannot be rebuilt; run usd_tools.upsample --times source first."
-    )
+    ]
 
 
 def _remembered(clip: SkelClip) -> tuple[np.ndarray, int] | None:

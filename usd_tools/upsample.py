@@ -33,7 +33,7 @@ from usd_tools.upsample_report import Job, described, tell, usual_rate
 MAX_ROTATIONS = 1 << 27
 """More than these are taken for a slip of the finger: 2 GiB of quaternions."""
 
-_ABOUT_METRIC = ("metric", "alpha", "beta", "invariance", "joint")
+_STYLES = ("alpha", "beta", "invariance", "joint")
 
 
 def parser() -> argparse.ArgumentParser:
@@ -155,7 +155,7 @@ def _animated(path: Path, sources: list[AnimationSource], messages: Messages) ->
 def _check_schemes(args: argparse.Namespace, clips: Sequence[SkelClip], metrics: Sequence[EffectiveMetric]) -> None:
     """Refuse options about a metric where the scheme, asked for or stored, has none."""
     # A scheme may be stored with a metric, and then be asked for by its name.
-    words = ("alpha", "beta", "invariance", "joint") if args.scheme is None else _ABOUT_METRIC
+    words = _STYLES if args.scheme is None else ("metric", *_STYLES)
     options = [f"--{word}" for word in words if getattr(args, word)]
     for clip, effective in zip(clips, metrics, strict=True):
         if options and not effective.is_used:
