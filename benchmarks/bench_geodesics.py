@@ -31,8 +31,8 @@ import samples  # noqa: E402
 
 from geomstats_anim import LogStatus, interpolate  # noqa: E402
 from geomstats_anim import rotations as quat  # noqa: E402
-from geomstats_anim.geodesics import PoseGeodesics  # noqa: E402
-from geomstats_anim.shortest import shortest_momenta  # noqa: E402
+from geomstats_anim.geodesics.pose_geodesics import PoseGeodesics  # noqa: E402
+from geomstats_anim.geodesics.shortest import shortest_momenta  # noqa: E402
 
 FIRST_CALL = """
 import time

@@ -33,10 +33,10 @@ from geomstats_anim import (  # noqa: E402
     quality,
     uniform_keyframes,
 )
-from geomstats_anim.quality import location_errors  # noqa: E402
-from usd_tools.files import open_stage  # noqa: E402
-from usd_tools.resampling import animation_of  # noqa: E402
-from usd_tools.skel_reader import find_animations, read_clip  # noqa: E402
+from geomstats_anim.criteria import location_errors  # noqa: E402
+from usd_tools.files.stages import open_stage  # noqa: E402
+from usd_tools.skel.clip import find_animations, read_clip  # noqa: E402
+from usd_tools.skel.resampling import animation_of  # noqa: E402
 
 FILES = (*(f"clips/{name}.usda" for name in ("jumping", "pitching", "punching", "rolling", "sitting")),
          "usd/mayausd_HIK_Export.usda")  # fmt: skip

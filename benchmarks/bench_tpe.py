@@ -24,16 +24,16 @@ sys.path.insert(0, str(ROOT))
 from geomstats_anim import Animation, uniform_keyframes  # noqa: E402
 from geomstats_anim.learning.gradient import Found, search_gradient  # noqa: E402
 from geomstats_anim.learning.objective import Objective  # noqa: E402
-from geomstats_anim.learning.ray_runtime import running  # noqa: E402
-from geomstats_anim.learning.tpe import TuneSettings, search_tpe, search_tpe_joint  # noqa: E402
+from geomstats_anim.learning.tune.ray_runtime import running  # noqa: E402
+from geomstats_anim.learning.tune.tpe import TuneSettings, search_tpe, search_tpe_joint  # noqa: E402
 from geomstats_anim.parameters import CurveParameters  # noqa: E402
 
 
 def read(path: Path) -> Animation:
     """Read the first animation of a file."""
-    from usd_tools.files import open_stage
-    from usd_tools.resampling import animation_of
-    from usd_tools.skel_reader import find_animations, read_clip
+    from usd_tools.files.stages import open_stage
+    from usd_tools.skel.clip import find_animations, read_clip
+    from usd_tools.skel.resampling import animation_of
 
     stage = open_stage(path)
     return animation_of(read_clip(find_animations(stage)[0]))

@@ -25,9 +25,9 @@ from geomstats_anim import (
     quality,
     uniform_keyframes,
 )
+from geomstats_anim.interpolation.tangents import hermite
 from geomstats_anim.rotations import Array, distance
-from geomstats_anim.tangents import hermite
-from usd_tools.report.looks import FAINT, INK, TRUTH, look
+from usd_tools.figures.style import FAINT, INK, TRUTH, look
 
 _HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(_HERE.parent / "examples"))

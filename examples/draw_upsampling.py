@@ -17,9 +17,9 @@ from scipy.ndimage import gaussian_filter
 
 from geomstats_anim import Animation, interpolate, learn_metric, uniform_keyframes
 from geomstats_anim.rotations import distance
-from usd_tools.errors import ToolError
-from usd_tools.files import check_output, open_stage
-from usd_tools.skel_reader import find_animations, read_clip
+from usd_tools.console.errors import ToolError
+from usd_tools.files.stages import check_output, open_stage
+from usd_tools.skel.clip import find_animations, read_clip
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

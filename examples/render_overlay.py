@@ -20,7 +20,7 @@ import numpy as np
 from mathutils import Euler, Vector
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from usd_tools.report.looks import INK, TRUTH, look  # noqa: E402  needs no USD, and so not the environment of usd_tools
+from usd_tools.figures.style import INK, TRUTH, look  # noqa: E402  needs no USD, and so not the environment of usd_tools
 
 _GAP, _MARGIN = 0.12, 0.22  # metres between bodies, and around all of them
 _LINE = 0.105  # metres: the size of letters

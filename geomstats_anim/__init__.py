@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 from geomstats_anim._version import __version__
 from geomstats_anim.animation import Animation, Skeleton
-from geomstats_anim.geodesics import LogResult, LogStatus
-from geomstats_anim.interpolation import SCHEMES, FallbackWarning, interpolate
-from geomstats_anim.keyframes import optimal_keyframes, uniform_keyframes
+from geomstats_anim.criteria import quality
+from geomstats_anim.geodesics.pose_geodesics import LogResult, LogStatus
+from geomstats_anim.interpolation.schemes import SCHEMES, FallbackWarning, interpolate
+from geomstats_anim.keyframes.problem import optimal_keyframes, uniform_keyframes
 from geomstats_anim.parameters import LearnedMetric, MetricParameters
-from geomstats_anim.quality import quality
 
 if TYPE_CHECKING:
     from geomstats_anim.learning import Compressed, compress, learn_metric
-    from geomstats_anim.metric import PoseMetric, PoseSpace, SO3InvariantMetric
+    from geomstats_anim.riemannian.pose import PoseMetric, PoseSpace, SO3InvariantMetric
 
 __all__ = [
     "SCHEMES",
@@ -41,9 +41,9 @@ __all__ = [
 ]
 
 _ON_FIRST_USE = {
-    "PoseMetric": "geomstats_anim.metric",
-    "PoseSpace": "geomstats_anim.metric",
-    "SO3InvariantMetric": "geomstats_anim.metric",
+    "PoseMetric": "geomstats_anim.riemannian.pose",
+    "PoseSpace": "geomstats_anim.riemannian.pose",
+    "SO3InvariantMetric": "geomstats_anim.riemannian.pose",
     "Compressed": "geomstats_anim.learning",
     "compress": "geomstats_anim.learning",
     "learn_metric": "geomstats_anim.learning",

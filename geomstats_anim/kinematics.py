@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from geomstats_anim.animation import Animation, Skeleton
+from geomstats_anim.kernels.vectors import compiled, cross, multiply, rotate, rotate_back
 from geomstats_anim.rotations import Array
-from geomstats_anim.vectors import compiled, cross, multiply, rotate, rotate_back
 
 
 class WorldPose(NamedTuple):

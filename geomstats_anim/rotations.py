@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geomstats_anim import elementwise
+from geomstats_anim.kernels import quaternions as elementwise
 
 Array = NDArray[np.float64]
 

@@ -13,18 +13,19 @@ from pathlib import Path
 from typing import Any
 
 from geomstats_anim import SCHEMES, __version__
-from geomstats_anim.quality import KINDS
-from usd_tools import comparison_tables, selection
-from usd_tools.arguments import add_workers, share
-from usd_tools.comparison import RATES, Contender, Outcome, Row, cells
-from usd_tools.comparison_files import ComparedClip, named, write_rebuilt, write_results
-from usd_tools.comparison_run import measure_all
-from usd_tools.corpus_files import Skipped, files_in, read_clips, take_all
-from usd_tools.errors import Messages, ToolError, run, usd_warnings
-from usd_tools.fresh_folder import check_folder, made_beside
-from usd_tools.learn_report import described_skipped
-from usd_tools.progress import Progress
-from usd_tools.report.report import write_report
+from geomstats_anim.criteria import KINDS
+from usd_tools.comparison import tables as comparison_tables
+from usd_tools.comparison.cells import RATES, Contender, Outcome, Row, cells
+from usd_tools.comparison.report.report import write_report
+from usd_tools.comparison.results import ComparedClip, named, write_rebuilt, write_results
+from usd_tools.comparison.run import measure_all
+from usd_tools.console.arguments import add_workers, share
+from usd_tools.console.errors import Messages, ToolError, run, usd_warnings
+from usd_tools.console.progress import Progress
+from usd_tools.files.folders import check_folder, made_beside
+from usd_tools.learning.files import Skipped, files_in, read_clips, take_all
+from usd_tools.learning.summary import described_skipped
+from usd_tools.skel import selection
 
 TOOL = "usd_tools.compare"
 CONTENTS = ("figures", "index.html", "results.csv", "results.json", "usd")

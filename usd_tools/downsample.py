@@ -15,19 +15,20 @@ from typing import Any
 from pxr import Usd
 
 from geomstats_anim import SCHEMES, __version__
-from geomstats_anim.interpolation import WITH_METRIC
-from geomstats_anim.keyframes import CRITERIA
+from geomstats_anim.interpolation.schemes import WITH_METRIC
+from geomstats_anim.keyframes.problem import CRITERIA
 from geomstats_anim.learning.compression import SELECTIONS
 from geomstats_anim.learning.gradient import FAMILIES
-from usd_tools import downsample_report, output, selection
-from usd_tools.arguments import positive_number, share, whole_number
-from usd_tools.errors import Messages, ToolError, run, usd_unheard, usd_warnings
-from usd_tools.files import check_output, open_stage, reading, same_file, write_json
-from usd_tools.output import Output
-from usd_tools.progress import SearchProgress
-from usd_tools.reduction import Reduced, Wanted, reduce_clip, verified
-from usd_tools.skel_reader import find_animations, read_clip
-from usd_tools.time_codes import TimeCodes
+from usd_tools.console.arguments import positive_number, share, whole_number
+from usd_tools.console.errors import Messages, ToolError, run, usd_unheard, usd_warnings
+from usd_tools.console.progress import SearchProgress
+from usd_tools.downsampling import summary as downsample_report
+from usd_tools.downsampling.reduce import Reduced, Wanted, reduce_clip, verified
+from usd_tools.files.stages import check_output, open_stage, reading, same_file, write_json
+from usd_tools.skel import output, selection
+from usd_tools.skel.clip import find_animations, read_clip
+from usd_tools.skel.output import Output
+from usd_tools.skel.time_codes import TimeCodes
 
 TOOL = "usd_tools.downsample"
 

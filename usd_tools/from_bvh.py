@@ -15,16 +15,16 @@ import numpy as np
 
 from geomstats_anim import Animation, Skeleton
 from geomstats_anim.rotations import IDENTITY
-from usd_tools import output
-from usd_tools.arguments import positive_number
-from usd_tools.bvh import Bvh, read_bvh
-from usd_tools.errors import ToolError, run
-from usd_tools.files import check_usd_output, same_file
-from usd_tools.joint_names import joint_paths, unique
-from usd_tools.progress import Progress
-from usd_tools.skel_author import Units, new_layer
-from usd_tools.skel_writer import made_by, save_layer
-from usd_tools.tables import counted
+from usd_tools.bvh.reader import Bvh, read_bvh
+from usd_tools.console.arguments import positive_number
+from usd_tools.console.errors import ToolError, run
+from usd_tools.console.progress import Progress
+from usd_tools.console.tables import counted
+from usd_tools.files.stages import check_usd_output, same_file
+from usd_tools.skel import output
+from usd_tools.skel.joint_names import joint_paths, unique
+from usd_tools.skel.new_file import Units, new_layer
+from usd_tools.skel.writer import made_by, save_layer
 
 TOOL = "usd_tools.from_bvh"
 

@@ -19,13 +19,15 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom, UsdSkel
 
-from usd_tools import metric_meaning
-from usd_tools.channels import Channel
-from usd_tools.errors import Messages, ToolError, run, usd_warnings
-from usd_tools.files import open_stage, reading
-from usd_tools.metric_attributes import read_metric, read_source_codes, summary
-from usd_tools.metric_meaning import JointMeaning, joint_meanings, worth
-from usd_tools.rotation_steps import (
+from usd_tools.console.errors import Messages, ToolError, run, usd_warnings
+from usd_tools.console.tables import counted, show
+from usd_tools.files.stages import open_stage, reading
+from usd_tools.metrics import explain as metric_meaning
+from usd_tools.metrics.attributes import read_metric, read_source_codes, summary
+from usd_tools.metrics.explain import JointMeaning, joint_meanings, worth
+from usd_tools.skel.channels import Channel
+from usd_tools.skel.clip import AnimationSource, SkelClip, find_animations, names_in, read_clip
+from usd_tools.skel.rotation_checks import (
     WIDE_DEGREES,
     count_not_unit,
     count_sign_flips,
@@ -33,8 +35,6 @@ from usd_tools.rotation_steps import (
     rotation_steps,
     wide_steps,
 )
-from usd_tools.skel_reader import AnimationSource, SkelClip, find_animations, names_in, read_clip
-from usd_tools.tables import counted, show
 
 
 def parser() -> argparse.ArgumentParser:

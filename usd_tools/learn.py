@@ -16,21 +16,22 @@ from typing import Any
 from pxr import Usd
 
 from geomstats_anim import __version__
-from geomstats_anim.interpolation import WITH_METRIC
+from geomstats_anim.criteria import KINDS
+from geomstats_anim.interpolation.schemes import WITH_METRIC
 from geomstats_anim.learning.gradient import FAMILIES, INVARIANCE_CHOICES
 from geomstats_anim.learning.learn import PURPOSES, SEARCHES
-from geomstats_anim.learning.tpe import TRIALS, TuneSettings
-from geomstats_anim.quality import KINDS
-from usd_tools import learn_report, output, selection
-from usd_tools.arguments import add_workers, seed, share, whole_number
-from usd_tools.corpus_files import Skipped, files_in, gather, read_clips, take_all
-from usd_tools.errors import Messages, ToolError, run, usd_warnings
-from usd_tools.files import EXTENSIONS, check_output, open_stage, reading, same_file, write_json, written_beside
-from usd_tools.lesson import PAPERS_RATE, Lesson, Recipe, teach
-from usd_tools.output import Output, check_report
-from usd_tools.progress import Progress, SearchProgress
-from usd_tools.skel_reader import SkelClip
-from usd_tools.takes import Take
+from geomstats_anim.learning.tune.tpe import TRIALS, TuneSettings
+from usd_tools.console.arguments import add_workers, seed, share, whole_number
+from usd_tools.console.errors import Messages, ToolError, run, usd_warnings
+from usd_tools.console.progress import Progress, SearchProgress
+from usd_tools.files.stages import EXTENSIONS, check_output, open_stage, reading, same_file, write_json, written_beside
+from usd_tools.learning import summary as learn_report
+from usd_tools.learning.clips import Take
+from usd_tools.learning.files import Skipped, files_in, gather, read_clips, take_all
+from usd_tools.learning.train import PAPERS_RATE, Lesson, Recipe, teach
+from usd_tools.skel import output, selection
+from usd_tools.skel.clip import SkelClip
+from usd_tools.skel.output import Output, check_report
 
 TOOL = "usd_tools.learn"
 

@@ -15,20 +15,20 @@ import numpy as np
 from pxr import Usd
 
 from geomstats_anim import SCHEMES, __version__
-from geomstats_anim.interpolation import WITH_METRIC
+from geomstats_anim.interpolation.schemes import WITH_METRIC
 from geomstats_anim.parameters import INVARIANCES
-from usd_tools import output, selection
-from usd_tools.arguments import positive_number, whole_number
-from usd_tools.effective_metric import EffectiveMetric, effective_metrics
-from usd_tools.errors import Messages, ToolError, run, usd_warnings
-from usd_tools.files import open_stage, reading, standing, write_json
-from usd_tools.output import Output
-from usd_tools.progress import Progress
-from usd_tools.resampling import Resampled, at_rate, resample, subdivided, with_codes
-from usd_tools.skel_reader import AnimationSource, SkelClip, find_animations, read_clip
-from usd_tools.style_controls import DEFAULT_SCHEME, Style, parse_style
-from usd_tools.time_codes import SOURCE, TimeCodes, remembering
-from usd_tools.upsample_report import Job, described, tell, usual_rate
+from usd_tools.console.arguments import positive_number, whole_number
+from usd_tools.console.errors import Messages, ToolError, run, usd_warnings
+from usd_tools.console.progress import Progress
+from usd_tools.files.stages import open_stage, reading, standing, write_json
+from usd_tools.skel import output, selection
+from usd_tools.skel.clip import AnimationSource, SkelClip, find_animations, read_clip
+from usd_tools.skel.output import Output
+from usd_tools.skel.resampling import Resampled, at_rate, resample, subdivided, with_codes
+from usd_tools.skel.time_codes import SOURCE, TimeCodes, remembering
+from usd_tools.upsampling.joint_styles import DEFAULT_SCHEME, Style, parse_style
+from usd_tools.upsampling.metric import EffectiveMetric, effective_metrics
+from usd_tools.upsampling.summary import Job, described, tell, usual_rate
 
 MAX_ROTATIONS = 1 << 27
 """More than these are taken for a slip of the finger: 2 GiB of quaternions."""

@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike
 
 from geomstats_anim import rotations as quat
 from geomstats_anim.animation import Animation
-from geomstats_anim.interpolation import SCHEMES
-from geomstats_anim.keyframes import uniform_keyframes
+from geomstats_anim.criteria import quality
+from geomstats_anim.interpolation.schemes import SCHEMES
+from geomstats_anim.interpolation.tangents import STILL
+from geomstats_anim.keyframes.problem import uniform_keyframes
 from geomstats_anim.parameters import LearnedMetric
-from geomstats_anim.quality import quality
-from geomstats_anim.tangents import STILL
 
 _TIE = 0.005
 """Relative difference that is called a tie."""

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geomstats_anim.animation import Animation
-from geomstats_anim.interpolation import SCHEMES, WITH_METRIC
-from geomstats_anim.keyframes import KeyProblem, by_halving, uniform_keyframes
+from geomstats_anim.interpolation.schemes import SCHEMES, WITH_METRIC
+from geomstats_anim.keyframes.problem import KeyProblem, by_halving, uniform_keyframes
 from geomstats_anim.learning.learn import learn_metric, turns
 from geomstats_anim.parameters import LearnedMetric
 

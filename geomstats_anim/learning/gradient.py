@@ -14,10 +14,10 @@ from typing import Any, Protocol
 import numpy as np
 from scipy.optimize import minimize
 
-from geomstats_anim.learning.separable import minimize_each
+from geomstats_anim.geodesics.shortest import Effort
+from geomstats_anim.learning.batched_bfgs import minimize_each
 from geomstats_anim.parameters import INVARIANCES, MAX_TENSION, CurveParameters, MetricParameters
 from geomstats_anim.rotations import Array
-from geomstats_anim.shortest import Effort
 
 FAMILIES = ("diagonal", "spd")
 INVARIANCE_CHOICES = ("left", "right", "clip", "joint")

@@ -13,16 +13,16 @@ from numpy.typing import ArrayLike
 from geomstats_anim import rotations as quat
 from geomstats_anim._version import __version__
 from geomstats_anim.animation import Animation
-from geomstats_anim.interpolation import SCHEMES, WITH_METRIC
+from geomstats_anim.criteria import quality
+from geomstats_anim.interpolation.schemes import SCHEMES, WITH_METRIC
+from geomstats_anim.interpolation.tangents import STILL
 from geomstats_anim.learning.gradient import Found, Learnable, search_gradient
 from geomstats_anim.learning.objective import Objective
 from geomstats_anim.learning.shrinkage import Fold, blocks, shrink
 from geomstats_anim.parameters import CurveParameters, LearnedMetric
-from geomstats_anim.quality import quality
-from geomstats_anim.tangents import STILL
 
 if TYPE_CHECKING:
-    from geomstats_anim.learning.tpe import TuneSettings
+    from geomstats_anim.learning.tune.tpe import TuneSettings
 
 SEARCHES = ("gradient", "tpe", "tpe-joint")
 PURPOSES = ("reconstruct", "predict")
@@ -138,7 +138,7 @@ def learn_metric(
     def find(objective: Learnable, settings: TuneSettings | None, rough: bool = rough) -> Found:
         if search == "gradient":
             return search_gradient(objective, len(joints), family, invariance, scheme, progress, rough)
-        from geomstats_anim.learning import tpe
+        from geomstats_anim.learning.tune import tpe
 
         run = tpe.search_tpe if search == "tpe" else tpe.search_tpe_joint
         return run(objective, len(joints), family, invariance, scheme, seed, settings or tpe.TuneSettings(), progress)
@@ -195,7 +195,7 @@ def _workers(n_clips: int, tune: TuneSettings | None) -> Iterator[int]:
     if tune is None:
         yield 1
         return
-    from geomstats_anim.learning import ray_runtime
+    from geomstats_anim.learning.tune import ray_runtime
 
     if n_clips == 1:
         if tune.address:  # there is nothing to spread, but a slip in it should not go unnoticed
@@ -245,7 +245,7 @@ def turns(animation: Animation) -> bool:
 def _together(clips: Sequence[Objective], workers: int) -> Learnable:
     if len(clips) == 1:
         return clips[0]
-    from geomstats_anim.learning.corpus import Corpus
+    from geomstats_anim.learning.clips import Corpus
 
     return Corpus(clips, min(workers, len(clips)))
 

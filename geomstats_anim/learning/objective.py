@@ -10,14 +10,14 @@ from numpy.typing import ArrayLike
 
 from geomstats_anim import rotations as quat
 from geomstats_anim.animation import Animation
-from geomstats_anim.curves import locate
+from geomstats_anim.criteria import joint_weights, kind_shares
+from geomstats_anim.geodesics.shortest import Effort
+from geomstats_anim.interpolation.curves import locate
+from geomstats_anim.interpolation.splines import PathSpline, PoseSpline
 from geomstats_anim.kinematics import place, pull_back_ends, world_pose
-from geomstats_anim.learning.memory import RotationMemory
+from geomstats_anim.learning.rotation_cache import RotationMemory
 from geomstats_anim.parameters import CurveParameters
-from geomstats_anim.quality import joint_weights, kind_shares
 from geomstats_anim.rotations import Array
-from geomstats_anim.shortest import Effort
-from geomstats_anim.splines import PathSpline, PoseSpline
 
 SMOOTHING = 1e-5
 """Angle in radians below which the rotation error is rounded off, since an angle has no derivative at 0."""

@@ -15,7 +15,7 @@ from bvh_files import CHAIN, MIXED, write_bvh  # noqa: E402
 from rigs import ANIMATION, SKELETON, make_rig, random_rotations, set_samples  # noqa: E402
 
 from geomstats_anim import LearnedMetric, MetricParameters  # noqa: E402
-from usd_tools.metric_attributes import write_metric  # noqa: E402
+from usd_tools.metrics.attributes import write_metric  # noqa: E402
 
 
 def seeds() -> dict[str, list[bytes]]:

@@ -4,8 +4,8 @@ import numpy as np
 
 from geomstats_anim import Animation, MetricParameters, Skeleton
 from geomstats_anim import rotations as quat
-from geomstats_anim.boundary_value import CONVERGED, shoot
-from geomstats_anim.rigid_body import playback
+from geomstats_anim.kernels.rigid_body import playback
+from geomstats_anim.kernels.shooting import CONVERGED, shoot
 
 
 def unit_vectors(rng, n):

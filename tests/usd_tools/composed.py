@@ -4,7 +4,8 @@ import contextlib
 import io
 from functools import cache
 
-from pxr import Sdf, Usd, UsdSkel, UsdValidation
+from pxr import Sdf, Usd, UsdGeom, UsdSkel, UsdValidation
+from rigs import make_rig, random_rotations, set_samples
 
 OURS = ("geodesicMetric:", "userProperties:geodesicMetric")
 CHANNELS = ("rotations", "translations", "scales", "blendShapeWeights")
@@ -62,3 +63,39 @@ def errors_of(path):
             for error in _validator().Validate(stage)
             if error.GetType() == UsdValidation.ValidationErrorType.Error
         }
+
+
+def make_shot(folder):
+    """Assets in a folder of their own; a weaker layer with an offset; variants; a payload; a texture."""
+    assets = folder / "assets"
+    assets.mkdir(parents=True)
+    (assets / "skin.png").write_bytes(b"png")
+    stage = make_rig(assets / "hero.usda", codes=range(8), rotations=random_rotations(8, 3), rate=30)
+    stage.GetPrimAtPath("/Rig").CreateAttribute("map", Sdf.ValueTypeNames.Asset).Set("./skin.png")
+    stage.Save()
+    prop = Usd.Stage.CreateNew(str(assets / "prop.usdc"))
+    UsdGeom.Cube.Define(prop, "/Prop").CreateSizeAttr().Set(2.0, 5.0)
+    prop.SetDefaultPrim(prop.GetPrimAtPath("/Prop"))
+    prop.Save()
+    weak = Usd.Stage.CreateNew(str(folder / "layout.usda"))
+    weak.SetTimeCodesPerSecond(30)
+    weak.DefinePrim("/Shot/Hero").GetReferences().AddReference("./assets/hero.usda", "/Rig")
+    weak.DefinePrim("/Shot/Prop").GetPayloads().AddPayload("./assets/prop.usdc")
+    hero = weak.GetPrimAtPath("/Shot/Hero")
+    variants = hero.GetVariantSets().AddVariantSet("take")
+    for seed, take in enumerate(("one", "two")):
+        variants.AddVariant(take)
+        variants.SetVariantSelection(take)
+        with variants.GetVariantEditContext():
+            set_samples(weak, "rotations", range(8), random_rotations(8, 3, seed + 7), "/Shot/Hero/Anim")
+    weak.Save()
+    shot = Usd.Stage.CreateNew(str(folder / "shot.usda"))
+    shot.SetMetadata("comment", "shot 1")
+    shot.SetTimeCodesPerSecond(24)
+    shot.SetStartTimeCode(1)
+    shot.SetEndTimeCode(9)
+    UsdGeom.SetStageUpAxis(shot, "Z")
+    shot.GetRootLayer().subLayerPaths.append("./layout.usda")
+    shot.SetDefaultPrim(shot.OverridePrim("/Shot"))
+    shot.Save()
+    return folder / "shot.usda"

@@ -6,8 +6,8 @@ import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdSkel, Vt
 from scipy.spatial.transform import Rotation
 
-from usd_tools.channels import CHANNELS
-from usd_tools.metric_attributes import read_metric
+from usd_tools.metrics.attributes import read_metric
+from usd_tools.skel.channels import CHANNELS
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 JOINTS = ["hips", "hips/spine", "hips/spine/arm"]

@@ -11,10 +11,10 @@ from rigs import DATA
 from scipy.spatial.transform import Rotation
 
 from geomstats_anim import rotations as quat
-from usd_tools.bvh import read_bvh
-from usd_tools.metric_attributes import NAMESPACE, SUMMARY
-from usd_tools.resampling import animation_of
-from usd_tools.skel_reader import find_animations, read_clip
+from usd_tools.bvh.reader import read_bvh
+from usd_tools.metrics.attributes import NAMESPACE, SUMMARY
+from usd_tools.skel.clip import find_animations, read_clip
+from usd_tools.skel.resampling import animation_of
 
 pytestmark = pytest.mark.slow
 BVH = sorted((DATA / "bvh").glob("*.bvh"))

@@ -12,8 +12,9 @@ from rigs import ANIMATION, DATA, bits, make_rig, random_rotations, read, set_sa
 from scipy.spatial.transform import Rotation
 
 from geomstats_anim import SCHEMES
-from usd_tools import compare, comparison
-from usd_tools.comparison import Cell, Contender, Row, cells
+from usd_tools import compare
+from usd_tools.comparison import cells as comparison
+from usd_tools.comparison.cells import Cell, Contender, Row, cells
 
 KEYS = (
     "clip rate scheme keys q_loc q_rot q_hyb mean_rotation_deg mean_location_cm max_location_cm bytes_numpy bytes_usdc "

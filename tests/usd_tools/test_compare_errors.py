@@ -8,7 +8,7 @@ import pytest
 from rigs import make_rig, random_rotations
 
 from usd_tools import compare
-from usd_tools.errors import ToolError
+from usd_tools.console.errors import ToolError
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, UsdUtils, Vt
 from rigs import ANIMATION, DATA, JOINTS, SKELETON, bits, make_rig, random_rotations, read, set_samples, stored_metric
 from scipy.spatial.transform import Rotation
 
-from usd_tools.joint_names import short_names
+from usd_tools.skel.joint_names import short_names
 
 CLIPS = sorted((DATA / "clips").glob("*.usda"))
 AMOUNTS = (["--rate", ".3"], ["--keys", "7"], ["--tolerance", "1"])

@@ -12,11 +12,11 @@ from pxr import Sdf, Usd, UsdGeom, UsdSkel, UsdValidation
 from rigs import DATA, read
 
 from geomstats_anim.kinematics import world_pose
-from usd_tools.bvh import read_bvh
-from usd_tools.joint_names import joint_paths, unique
-from usd_tools.resampling import animation_of
-from usd_tools.skel_author import ANIMATION, SKELETON
-from usd_tools.skel_reader import find_animations, read_clip
+from usd_tools.bvh.reader import read_bvh
+from usd_tools.skel.clip import find_animations, read_clip
+from usd_tools.skel.joint_names import joint_paths, unique
+from usd_tools.skel.new_file import ANIMATION, SKELETON
+from usd_tools.skel.resampling import animation_of
 
 BVH = DATA / "bvh"
 REAL = {  # frames, joints, frames a second

@@ -9,10 +9,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pxr import Usd, Vt
 
-from usd_tools.bvh import read_bvh
-from usd_tools.errors import ToolError
-from usd_tools.skel_author import SKELETON
-from usd_tools.skel_reader import BONE_ENDS
+from usd_tools.bvh.reader import read_bvh
+from usd_tools.console.errors import ToolError
+from usd_tools.skel.clip import BONE_ENDS
+from usd_tools.skel.new_file import SKELETON
 
 
 @pytest.fixture

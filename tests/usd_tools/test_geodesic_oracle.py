@@ -8,8 +8,8 @@ from scipy.integrate import solve_ivp
 
 from geomstats_anim import MetricParameters
 from geomstats_anim import rotations as quat
-from geomstats_anim.geodesics import LogStatus, PoseGeodesics
-from usd_tools.skel_reader import find_animations, read_clip
+from geomstats_anim.geodesics.pose_geodesics import LogStatus, PoseGeodesics
+from usd_tools.skel.clip import find_animations, read_clip
 
 CLIPS = [f"clips/{name}.usda" for name in ("jumping", "pitching", "punching", "rolling", "sitting")]
 FACTOR, MOMENTS = 4, np.array([1.0, 4.0, 0.5])

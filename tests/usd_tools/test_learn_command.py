@@ -12,10 +12,10 @@ from rigs import ANIMATION, DATA, JOINTS, SKELETON, bits, make_rig, random_rotat
 
 from geomstats_anim import LearnedMetric
 from geomstats_anim.rotations import distance
-from usd_tools.progress import SearchProgress
-from usd_tools.skel_reader import find_animations, read_clip
-from usd_tools.tables import show
-from usd_tools.takes import aligned, take_of
+from usd_tools.console.progress import SearchProgress
+from usd_tools.console.tables import show
+from usd_tools.learning.clips import aligned, take_of
+from usd_tools.skel.clip import find_animations, read_clip
 
 CODES = range(20)
 

@@ -11,9 +11,9 @@ from pxr import Usd, UsdSkel, UsdUtils
 from rigs import DATA, bits, read
 
 from geomstats_anim import rotations as quat
-from usd_tools.metric_attributes import read_metric
-from usd_tools.resampling import animation_of
-from usd_tools.skel_reader import find_animations, read_clip
+from usd_tools.metrics.attributes import read_metric
+from usd_tools.skel.clip import find_animations, read_clip
+from usd_tools.skel.resampling import animation_of
 
 pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason=f"the real files are not there: {DATA}")
 

@@ -14,10 +14,10 @@ from rigs import ANIMATION, JOINTS, SKELETON, bits, make_rig, random_rotations, 
 
 from geomstats_anim import SCHEMES, LogStatus, interpolate
 from geomstats_anim import rotations as quat
-from geomstats_anim.curves import Fallback, Slerp
-from usd_tools.files import relative_asset_path
-from usd_tools.progress import Progress
-from usd_tools.skel_reader import find_animations, read_clip
+from geomstats_anim.interpolation.curves import Fallback, Slerp
+from usd_tools.console.progress import Progress
+from usd_tools.files.stages import relative_asset_path
+from usd_tools.skel.clip import find_animations, read_clip
 
 
 @pytest.mark.parametrize("scheme", list(SCHEMES))
@@ -406,7 +406,7 @@ def test_fallbacks_are_named(tmp_path, run, monkeypatch):
 def test_progress_shows_late_and_on_a_terminal_only(monkeypatch, capsys):
     for terminal, patience, shows in ((True, 0.0, True), (False, 0.0, False), (True, 100.0, False)):
         monkeypatch.setattr(sys.stderr, "isatty", lambda terminal=terminal: terminal)
-        monkeypatch.setattr("usd_tools.progress.PATIENCE", patience)
+        monkeypatch.setattr("usd_tools.console.progress.PATIENCE", patience)
         with Progress(10.0, "Interpolating") as progress:
             progress.advance(5.0)
             assert (progress._bar is not None) == shows

@@ -7,8 +7,8 @@ from rigs import ANIMATION, JOINTS, SKELETON, bits, make_rig, random_rotations, 
 from scipy.spatial.transform import Rotation
 
 from geomstats_anim import rotations as quat
-from usd_tools.channels import CHANNELS
-from usd_tools.skel_reader import find_animations, read_clip
+from usd_tools.skel.channels import CHANNELS
+from usd_tools.skel.clip import find_animations, read_clip
 
 
 def clip_of(path):

@@ -5,7 +5,7 @@ import pytest
 from swings import swinging
 
 from geomstats_anim import Animation, compress, interpolate, optimal_keyframes, quality, uniform_keyframes
-from geomstats_anim.quality import location_errors
+from geomstats_anim.criteria import location_errors
 
 
 def rebuilt(animation, keys, metric):

@@ -59,9 +59,9 @@ def metric(seed=0, full=False, sides=None):
 
 def real(name):
     """Read one of the real clips."""
-    from usd_tools.files import open_stage
-    from usd_tools.resampling import animation_of
-    from usd_tools.skel_reader import find_animations, read_clip
+    from usd_tools.files.stages import open_stage
+    from usd_tools.skel.clip import find_animations, read_clip
+    from usd_tools.skel.resampling import animation_of
 
     stage = open_stage(CLIPS / f"{name}.usda")
     return animation_of(read_clip(find_animations(stage)[0]))

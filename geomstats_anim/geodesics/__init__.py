@@ -1,0 +1,1 @@
+"""Geodesics of many segments at once, and which of them are the shortest."""

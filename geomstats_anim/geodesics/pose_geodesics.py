@@ -1,0 +1,351 @@
+"""Geodesics of invariant metrics on SO(3)^B between given poses, or from a pose with a given velocity.
+
+Every metric comes down to one problem, which the compiled kernels solve: a left-invariant metric with a diagonal
+matrix, and a geodesic that starts at the identity.
+
+* Left translations are isometries, so a segment from A to B is A times the one from the identity to A^-1 B.
+* The right-invariant geodesic from A to B is the inverse of the left-invariant one from A^-1 to B^-1.
+* For Z = P^T D P, conjugation R -> P R P^T carries the geodesics of Z to those of D.
+
+Geodesics found by shooting need not be the shortest. One is certified when it is shorter than the injectivity radius,
+which the largest sectional curvature bounds from below. Otherwise the other way round, continuation in the metric, and
+a survey of all directions look for a shorter one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from enum import IntEnum
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from geomstats_anim import rotations as quat
+from geomstats_anim.geodesics.shortest import Effort, shortest_momenta
+from geomstats_anim.kernels import frames as normal_form
+from geomstats_anim.kernels import shooting as boundary_value
+from geomstats_anim.kernels.rigid_body import playback
+from geomstats_anim.kernels.sensitivity import pull_back
+from geomstats_anim.kernels.threads import in_threads
+from geomstats_anim.parameters import MetricParameters
+from geomstats_anim.rotations import Array
+
+
+class LogStatus(IntEnum):
+    """How the search for a geodesic ended."""
+
+    CONVERGED = boundary_value.CONVERGED
+    STALLED = boundary_value.STALLED
+    MAX_ITERATIONS = boundary_value.MAX_ITERATIONS
+
+    @property
+    def sentence(self) -> str:
+        """What it means, and what to do."""
+        return _SENTENCES[self]
+
+
+_SENTENCES = {
+    LogStatus.CONVERGED: "The geodesic was found; its end point is exact to rounding.",
+    LogStatus.STALLED: (
+        "No geodesic was found, because no step from any start came nearer to the end point; "
+        "bring alpha and beta nearer to 1, or set a key in between."
+    ),
+    LogStatus.MAX_ITERATIONS: (
+        "No geodesic was found in the number of shots allowed; bring alpha and beta nearer to 1, "
+        "or set a key in between."
+    ),
+}
+
+
+_REACH = 1e5
+"""Largest angle, in radians, that a geodesic is followed: beyond, it takes seconds, and its end is lost in rounding."""
+
+
+class LogResult(NamedTuple):
+    """Logarithms of a batch, whatever became of each.
+
+    Attributes
+    ----------
+    tangent_vec : array-like, shape=[..., 3, 3]
+        Initial velocities, at the base points; zero where none was found.
+    status : array-like of int, shape=[...]
+        `LogStatus` of each.
+    residual : array-like, shape=[...]
+        Miss of the end point in radians.
+    length : array-like, shape=[...]
+        Length of the geodesic in the metric; infinite where none was found.
+    iterations : array-like of int, shape=[...]
+        Shots taken in all.
+    """
+
+    tangent_vec: Array
+    status: np.ndarray
+    residual: Array
+    length: Array
+    iterations: np.ndarray
+
+
+class EndVelocities:
+    r"""Velocities and accelerations of geodesics from the identity at both ends, and their derivative by the metric.
+
+    With the inverse moments :math:`D^{-1}`, the spatial momentum m and the body momentum M, which is m at the start and
+    :math:`g(1)^T m` at the end, :math:`w = D^{-1} M` and by Euler's equation :math:`w' = D^{-1} (M \times w)`.
+
+    Attributes
+    ----------
+    start, end : array-like, shape=[n, B, 3]
+        Along the principal axes, radians per unit of the parameter.
+    start_acceleration, end_acceleration : array-like, shape=[n, B, 3]
+    """
+
+    def __init__(self, inverse_moments: Array, momentum: Array, turn: Array) -> None:
+        self._inverse, self._momentum, self._turn = inverse_moments, momentum, turn
+        self._end_momentum = quat.rotate(quat.conjugate(turn), momentum)
+        self.start, self.end = inverse_moments * momentum, inverse_moments * self._end_momentum
+        self.start_acceleration = inverse_moments * quat.cross(momentum, self.start)
+        self.end_acceleration = inverse_moments * quat.cross(self._end_momentum, self.end)
+
+    def pull_back(self, start: Array, end: Array, start_acceleration: Array, end_acceleration: Array) -> Array:
+        """Pull a derivative by the attributes back: see `partial` of `PoseGeodesics.pull_back_turns`."""
+        by_momentum, by_moments = self._by_body_momentum(self._momentum, self.start, start, start_acceleration)
+        by_end, by_moments_at_end = self._by_body_momentum(self._end_momentum, self.end, end, end_acceleration)
+        by_end_in_space = quat.rotate(self._turn, by_end)
+        # a turn of the axes turns the target, so that the end momentum changes at fixed m
+        by_axes = quat.cross(self._end_momentum, by_end) - quat.cross(self._momentum, by_end_in_space)
+        by_moments = by_moments + by_moments_at_end
+        return np.concatenate([by_momentum + by_end_in_space, by_moments[..., 1:], by_axes], axis=-1)
+
+    def _by_body_momentum(
+        self, momentum: Array, velocity: Array, by_velocity: Array, by_acceleration: Array
+    ) -> tuple[Array, Array]:
+        """Derive by the body momentum, and by the logarithms of the moments at fixed momentum."""
+        scaled = self._inverse * by_acceleration
+        # (M x w) . n = M . (w x n) = w . (n x M)
+        by_velocity = by_velocity + quat.cross(scaled, momentum)
+        by_momentum = quat.cross(velocity, scaled) + self._inverse * by_velocity
+        return by_momentum, -(velocity * by_velocity + quat.cross(momentum, velocity) * scaled)
+
+
+class PoseGeodesics:
+    """A batch of geodesics of one metric on SO(3)^B, all made by one compiled call.
+
+    Attributes
+    ----------
+    initial : array-like, shape=[n, B, 4]
+        Unit quaternions at parameter 0.
+    velocity : array-like, shape=[n, B, 3]
+        Angular velocities at parameter 0, radians per unit of the parameter: in the body frame for a left-invariant
+        joint, in the parent's frame for a right-invariant one.
+    status : array-like of int, shape=[n, B]
+        `LogStatus` of each; where none was found, it is the bi-invariant geodesic.
+    residual : array-like, shape=[n, B]
+        Miss of the end point in radians.
+    iterations : array-like of int, shape=[n, B]
+        Shots taken.
+    """
+
+    def __init__(self, initial: Array, velocity: Array, parameters: MetricParameters) -> None:
+        """Make the geodesics that leave `initial` with `velocity`; `between` makes those that join two poses."""
+        _refuse_beyond_reach(velocity, np.ones(1))
+        self.initial, self.velocity, self.parameters = initial, velocity, parameters
+        shape = initial.shape[:-1]
+        self._turn: Array | None = None
+        self.status = np.full(shape, LogStatus.CONVERGED)
+        self.residual, self.iterations = np.zeros(shape), np.zeros(shape, dtype=np.intp)
+
+    @cached_property
+    def _inverse_moments(self) -> Array:
+        return np.broadcast_to(1.0 / self.parameters.moments, self.velocity.shape)
+
+    @cached_property
+    def _momentum(self) -> Array:
+        outward = np.where(self.parameters.is_right, -1.0, 1.0)[:, None]
+        return self.parameters.along_axes(outward * self.velocity) / self._inverse_moments
+
+    @cached_property
+    def length(self) -> Array:
+        """Length in the metric, shape=[n, B]; infinite where none was found."""
+        length = np.sqrt((self._momentum**2 * self._inverse_moments).sum(axis=-1))
+        return np.where(self.status == LogStatus.CONVERGED, length, np.inf)
+
+    @classmethod
+    def between(
+        cls,
+        initial: Array,
+        end: Array,
+        parameters: MetricParameters,
+        near: Array | None = None,
+        effort: Effort = "thorough",
+    ) -> PoseGeodesics:
+        """Find the shortest geodesics between poses.
+
+        Parameters
+        ----------
+        initial, end : array-like, shape=[n, B, 4]
+            Unit quaternions.
+        parameters : MetricParameters
+        near : array-like, shape=[n, B, 3]
+            Velocities, as in the attribute, of those of a similar metric on the same side; not a number where none is
+            known. They help where a guess is not enough.
+            Optional, default: None.
+        effort : str
+            "thorough", or "quick", for learning: see `shortest_momenta`.
+            Optional, default: "thorough".
+
+        Returns
+        -------
+        geodesics : PoseGeodesics
+            The end is at parameter 1.
+        """
+        outward = np.where(parameters.is_right, -1.0, 1.0)[:, None]
+        vector = np.empty((*initial.shape[:2], 3))
+        normal_form.targets(
+            quat.plain(initial), quat.plain(end), parameters.is_right, parameters.axes_quaternions, vector
+        )
+        moments = np.broadcast_to(parameters.moments, vector.shape)
+        start = None
+        if near is not None:
+            start = (moments * parameters.along_axes(outward * near)).reshape(-1, 3)
+        found = shortest_momenta(moments.reshape(-1, 3), vector.reshape(-1, 3), start, effort)
+
+        shape = vector.shape[:-1]
+        converged = (found.status == LogStatus.CONVERGED).reshape(*shape, 1)
+        momentum = np.where(converged, found.momentum.reshape(vector.shape), vector)
+        inverse_moments = np.where(converged, 1.0 / moments, 1.0)
+        geodesics = cls(initial, outward * parameters.from_axes(momentum * inverse_moments), parameters)
+        geodesics._momentum, geodesics._inverse_moments = momentum, inverse_moments
+        geodesics._turn = quat.exp(vector)
+        geodesics.status = found.status.reshape(shape)
+        geodesics.residual, geodesics.iterations = found.residual.reshape(shape), found.shots.reshape(shape)
+        return geodesics
+
+    def __call__(self, index: np.ndarray, parameter: Array) -> Array:
+        """Evaluate poses along the geodesics.
+
+        Parameters
+        ----------
+        index : array-like of int, shape=[F]
+            Which geodesic; must not decrease.
+        parameter : array-like, shape=[F]
+            Where on it, from 0 on; must not decrease within one geodesic.
+
+        Returns
+        -------
+        rotations : array-like, shape=[F, B, 4]
+            Unit quaternions.
+        """
+        return self.poses(index, self.turns(index, parameter))
+
+    def turns(self, index: np.ndarray, parameter: Array) -> Array:
+        """Evaluate the geodesics from the identity that stand for these, shape=[F, B, 4].
+
+        They are those of the left-invariant metric with the diagonal matrix, seen along its principal axes.
+        """
+        turned = np.empty((len(parameter), self.initial.shape[1], 4))
+        self._for_samples(playback, index, parameter, turned)
+        return turned
+
+    def poses(self, index: np.ndarray, turned: Array) -> Array:
+        """Turn the geodesics' initial poses by what `turns` returns."""
+        rotations = np.empty(turned.shape)
+        parameters = self.parameters
+        normal_form.poses(
+            quat.plain(self.initial),
+            np.array(index),
+            quat.plain(turned),
+            parameters.is_right,
+            parameters.axes_quaternions,
+            rotations,
+        )
+        return rotations
+
+    def pull_back(self, index: np.ndarray, parameter: Array, rotations: Array, cotangent: Array) -> Array:
+        """Pull the derivative of a scalar by poses back to one by the metric, the end poses fixed.
+
+        Parameters
+        ----------
+        index, parameter : array-like, shape=[F]
+            As in a call.
+        rotations : array-like, shape=[F, B, 4]
+            What the call returned.
+        cotangent : array-like, shape=[F, B, 3]
+            Derivative of the scalar by the body variation of the rotations.
+
+        Returns
+        -------
+        gradient : array-like, shape=[B, 5]
+            By log alpha, log beta, and a rotation vector that turns the axes from the left, P -> exp(v) P.
+        """
+        return self.pull_back_turns(index, parameter, self.pull_back_poses(rotations, cotangent))
+
+    def pull_back_poses(self, rotations: Array, cotangent: Array) -> Array:
+        """Pull a derivative by what `poses` returned, at fixed axes, back to one by what it was given."""
+        out = np.empty(cotangent.shape)
+        parameters = self.parameters
+        normal_form.inward(
+            quat.plain(rotations), quat.plain(cotangent), parameters.is_right, parameters.axes_quaternions, out
+        )
+        return out
+
+    def pull_back_turns(
+        self, index: np.ndarray, parameter: Array, cotangent: Array, partial: Array | None = None
+    ) -> Array:
+        """Pull a derivative by what `turns` returned back to one by the metric, shape=[B, 5], as in `pull_back`.
+
+        Parameters
+        ----------
+        index, parameter : array-like, shape=[F]
+        cotangent : array-like, shape=[F, B, 3]
+            Derivative by the body variation of the turns, along the principal axes.
+        partial : array-like, shape=[n, B, 8]
+            Derivatives of other parts of the scalar by the initial momentum, by log alpha and log beta at fixed
+            momentum, and by a turn of the axes at fixed momentum.
+            Optional, default: None, there are no other parts.
+        """
+        sums = np.zeros((*self.initial.shape[:2], 8)) if partial is None else partial
+        gradient = np.zeros((*self.initial.shape[:2], 5))
+        self._for_samples(pull_back, index, parameter, cotangent, sums.reshape(-1, 8), gradient.reshape(-1, 5))
+        # a fallback is the bi-invariant geodesic, which does not depend on the metric
+        return np.where((self.status == LogStatus.CONVERGED)[..., None], gradient, 0.0).sum(axis=0)
+
+    @property
+    def end_velocities(self) -> EndVelocities:
+        """Velocities of what `turns` returns, at parameters 0 and 1."""
+        n = len(self.initial)
+        turn = self.turns(np.arange(n), np.ones(n)) if self._turn is None else self._turn
+        return EndVelocities(self._inverse_moments, self._momentum, turn)
+
+    def _for_samples(
+        self,
+        kernel: Callable[..., None],
+        index: np.ndarray,
+        parameter: Array,
+        samples: Array,
+        *geodesics: Array,
+    ) -> None:
+        """Run a compiled kernel over all geodesics, with the samples that lie on each, in threads."""
+        _refuse_beyond_reach(self.velocity, parameter)
+        n, n_joints = self.initial.shape[:2]
+        first = np.searchsorted(index, np.arange(n), side="left").repeat(n_joints)
+        last = np.searchsorted(index, np.arange(n), side="right").repeat(n_joints)
+        column = np.tile(np.arange(n_joints), n)
+        # copies: for arrays that are read-only or of another type, the kernel would be compiled once more
+        inverse, momentum, parameter = (
+            np.array(values, dtype=np.float64, order="C")
+            for values in (self._inverse_moments, self._momentum, parameter)
+        )
+        inverse, momentum = inverse.reshape(-1, 3), momentum.reshape(-1, 3)
+
+        def run(part: slice) -> None:
+            own = (values[part] for values in geodesics)
+            kernel(inverse[part], momentum[part], first[part], last[part], parameter, column[part], samples, *own)
+
+        in_threads(run, n * n_joints)
+
+
+def _refuse_beyond_reach(velocity: Array, parameter: Array) -> None:
+    """Raise if geodesics of these velocities, shape=[..., 3], turn too far, or nobody knows how far."""
+    angle = float(np.abs(velocity).max(initial=0.0)) * float(np.max(parameter, initial=0.0))
+    if not angle <= _REACH:
+        raise ValueError(f"A geodesic turns by {angle:.3g} radians, but at most {_REACH:g} can be followed.")

@@ -1,0 +1,1 @@
+"""Curves through poses: every scheme, the registry and `interpolate`."""

@@ -1,0 +1,158 @@
+r"""Splines through keys: geodesics on SO(3)^B, or straight lines, bent so that their velocities meet at the keys.
+
+Every joint has a tension: at 0 nothing is bent, at 1 velocity is continuous, at 2 acceleration is too; see `tangents`.
+The bends of a joint are seen along the principal axes of its metric, after left invariance and the identity as the
+initial pose are arranged as in `geodesics`, so a spline shares the symmetries of its metric.
+"""
+
+from __future__ import annotations
+
+from copy import copy
+
+import numpy as np
+
+from geomstats_anim import rotations as quat
+from geomstats_anim.geodesics.pose_geodesics import PoseGeodesics
+from geomstats_anim.geodesics.shortest import Effort
+from geomstats_anim.interpolation.tangents import KeyVelocities, hermite
+from geomstats_anim.kernels import bending
+from geomstats_anim.parameters import MetricParameters
+from geomstats_anim.rotations import Array
+
+
+class PoseSpline:
+    """A curve on SO(3)^B through key poses.
+
+    Parameters
+    ----------
+    times : array-like, shape=[K]
+        Seconds, increasing.
+    keys : array-like, shape=[K, B, 4]
+        Unit quaternions.
+    parameters : MetricParameters
+    tension : array-like, shape=[B]
+    near : array-like, shape=[K - 1, B, 3]
+        Velocities of geodesics of a similar metric, see `PoseGeodesics.between`.
+        Optional, default: None.
+    effort : str
+        "thorough", or "quick", for learning: see `shortest_momenta`.
+        Optional, default: "thorough".
+
+    Attributes
+    ----------
+    geodesics : PoseGeodesics
+        Between the keys; the segments that are bent.
+    """
+
+    def __init__(
+        self,
+        times: Array,
+        keys: Array,
+        parameters: MetricParameters,
+        tension: Array,
+        near: Array | None = None,
+        effort: Effort = "thorough",
+    ) -> None:
+        self._durations = np.diff(times)
+        self.geodesics: PoseGeodesics = PoseGeodesics.between(keys[:-1], keys[1:], parameters, near, effort)
+        self._velocities = None
+        if tension.any():
+            per_second = 1.0 / self._durations[:, None, None]
+            self._ends = self.geodesics.end_velocities
+            self._velocities = KeyVelocities(
+                self._durations,
+                self._ends.start * per_second,
+                self._ends.end * per_second,
+                tension,
+                (self._ends.start_acceleration * per_second**2, self._ends.end_acceleration * per_second**2),
+            )
+
+    def __call__(self, index: np.ndarray, parameter: Array) -> Array:
+        """Evaluate poses.
+
+        Parameters
+        ----------
+        index : array-like of int, shape=[F]
+            Segment; must not decrease.
+        parameter : array-like, shape=[F]
+            Share of its duration, in [0, 1]; must not decrease within one segment.
+
+        Returns
+        -------
+        rotations : array-like, shape=[F, B, 4]
+            Unit quaternions.
+        """
+        turned = self.geodesics.turns(index, parameter)
+        if self._velocities is not None:
+            bending.bend(turned, index, np.array(parameter), *self._velocities.bends)
+        return self.geodesics.poses(index, turned)
+
+    def pull_back(self, index: np.ndarray, parameter: Array, rotations: Array, cotangent: Array) -> tuple[Array, Array]:
+        """Pull the derivative of a scalar by poses back to one by the metric and the tension, the keys fixed.
+
+        Parameters
+        ----------
+        index, parameter : array-like, shape=[F]
+            As in a call.
+        rotations : array-like, shape=[F, B, 4]
+            What the call returned.
+        cotangent : array-like, shape=[F, B, 3]
+            Derivative of the scalar by the body variation of the rotations.
+
+        Returns
+        -------
+        metric : array-like, shape=[B, 5]
+            By log alpha, log beta, and a rotation vector that turns the axes from the left.
+        tension : array-like, shape=[B]
+        """
+        inward = self.geodesics.pull_back_poses(rotations, cotangent)
+        n_segments, n_joints = len(self._durations), inward.shape[1]
+        if self._velocities is None:
+            return self.geodesics.pull_back_turns(index, parameter, inward), np.zeros(n_joints)
+        by_start, by_end, by_axes = (np.zeros((n_segments, n_joints, 3)) for _ in range(3))
+        bending.unbend(index, np.array(parameter), *self._velocities.bends, inward, by_start, by_end, by_axes)
+        start, end, *accelerations, by_tension = self._velocities.pull_back((by_start, by_end))
+        per_second = 1.0 / self._durations[:, None, None]
+        partial = self._ends.pull_back(
+            start * per_second, end * per_second, *(by * per_second**2 for by in accelerations)
+        )
+        partial[..., 5:] += by_axes
+        return self.geodesics.pull_back_turns(index, parameter, inward, partial), by_tension
+
+
+class PathSpline:
+    """A curve through points, of every joint by itself.
+
+    Parameters
+    ----------
+    times : array-like, shape=[K]
+        Seconds, increasing.
+    keys : array-like, shape=[K, B, 3]
+    tension : array-like, shape=[B]
+    """
+
+    def __init__(self, times: Array, keys: Array, tension: Array) -> None:
+        self._keys = keys
+        durations = np.diff(times)
+        slopes = np.diff(keys, axis=0) / durations[:, None, None]
+        self._velocities = KeyVelocities(durations, slopes, slopes, tension)
+
+    def tightened(self, tension: Array) -> PathSpline:
+        """Take another tension, shape=[B], which is quick."""
+        other = copy(self)
+        other._velocities = self._velocities.tightened(tension)
+        return other
+
+    def __call__(self, index: np.ndarray, parameter: Array) -> Array:
+        """Evaluate points at shares of segments, shape=[F, B, 3]; see `PoseSpline`."""
+        weight = parameter[:, None, None]
+        first, second = (weights[:, None, None] for weights in hermite(parameter))
+        start, end = self._velocities.bends
+        line = (1.0 - weight) * self._keys[index] + weight * self._keys[index + 1]
+        return line + first * start[index] + second * end[index]
+
+    def pull_back(self, index: np.ndarray, parameter: Array, cotangent: Array) -> Array:
+        """Pull the derivative of a scalar by points, shape=[F, B, 3], back to one by the tension, shape=[B]."""
+        by_start, by_end = (np.zeros((len(self._keys) - 1, *self._keys.shape[1:])) for _ in range(2))
+        bending.gather(index, np.array(parameter), quat.plain(cotangent), by_start, by_end)
+        return self._velocities.by_tension((by_start, by_end))

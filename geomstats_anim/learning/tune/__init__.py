@@ -1,0 +1,1 @@
+"""The papers' search by Ray Tune and hyperopt."""

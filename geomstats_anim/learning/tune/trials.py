@@ -1,0 +1,328 @@
+"""One TPE search over all parameters as an experiment of Ray Tune; import this only where Ray and HyperOpt are needed.
+
+Tune saves its own state only now and then, so a finished trial goes to a journal in the results folder at once. A run
+that is resumed hands Tune the trials that it forgot, without evaluating them again: only those in flight are lost.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import signal
+import tempfile
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
+from typing import Any
+
+from ray import tune
+from ray.tune.search import ConcurrencyLimiter
+from ray.tune.search.hyperopt import HyperOptSearch
+
+from geomstats_anim.learning.gradient import Learnable
+from geomstats_anim.learning.tune.loggers import file_loggers, wandb_logger
+from geomstats_anim.learning.tune.ray_runtime import running
+from geomstats_anim.learning.tune.tpe import (
+    STARTUP,
+    TRIALS,
+    WINDOW,
+    Convergence,
+    Point,
+    Space,
+    TuneSettings,
+    as_document,
+    point_of,
+)
+
+METRIC, MODE = "quality", "min"
+
+_JOURNAL = "trials.jsonl"
+
+_followers: dict[Path, Callable[[int, float], None]] = {}
+"""Who is told of the progress of the journals; Tune pickles its callbacks, and a resumed run has a new follower."""
+
+_interrupted = threading.Event()
+"""Set by Ctrl+C."""
+
+
+def run(
+    objective: Learnable,
+    space: Space,
+    seed: int,
+    settings: TuneSettings,
+    progress: Callable[[int, float], None],
+) -> tuple[Point, float, int]:
+    """Run an experiment, or go on with one.
+
+    Parameters
+    ----------
+    objective : Learnable
+    space : Space
+    seed : int
+    settings : TuneSettings
+    progress : callable
+
+    Returns
+    -------
+    best : dict
+        Point of the space.
+    value : float
+    trials : int
+    """
+    keep = settings.folder is not None
+    with nullcontext(settings.folder) if keep else tempfile.TemporaryDirectory(prefix="geomstats_anim-") as name:
+        journal = Journal(Path(str(name)).absolute() / _JOURNAL)
+        journal.begin({"labels": list(space.identity), "seed": seed}, settings.resume)
+        _followers[journal.path] = progress
+        try:
+            with running(settings.address, settings.cpus) as workers, _quiet(), _interruptible():
+                results = _tuner(objective, space, seed, settings, journal, workers).fit()
+        finally:
+            del _followers[journal.path]
+        journal.read()
+        if results.errors:
+            reason = str(results.errors[0]).strip().splitlines()[-1]
+            raise RuntimeError(f"A trial of the search failed twice, on the workers of Ray: {reason}")
+    best = min(journal.values, key=journal.values.__getitem__)
+    return json.loads(best), journal.values[best], len(journal.values)
+
+
+def _tuner(
+    objective: Learnable, space: Space, seed: int, settings: TuneSettings, journal: Journal, workers: int
+) -> tune.Tuner:
+    folder = journal.path.parent
+    # one copy in the object store serves all trials
+    trainable = tune.with_parameters(_evaluate, objective=objective, space=space, known=dict(journal.values))
+    trainable = tune.with_resources(trainable, {"cpu": 1})
+    if settings.resume and _has_state(folder):
+        return tune.Tuner.restore(str(folder), trainable, resume_unfinished=True)
+    recorder = _Recorder(journal, settings)
+    callbacks = [recorder, *file_loggers()]
+    if settings.wandb:
+        callbacks.append(wandb_logger(settings.wandb))
+    return tune.Tuner(
+        trainable,
+        tune_config=tune.TuneConfig(
+            search_alg=ConcurrencyLimiter(_JournalledSearch(space, seed, journal), max_concurrent=workers),
+            num_samples=settings.trials or TRIALS,
+            reuse_actors=True,  # a process for each trial would take longer than the trial
+            trial_dirname_creator=_trial_id,
+        ),
+        run_config=tune.RunConfig(
+            name=folder.name,
+            storage_path=str(folder.parent),
+            stop=recorder,
+            callbacks=callbacks,
+            failure_config=tune.FailureConfig(max_failures=1),
+            verbose=0,
+        ),
+    )
+
+
+def _evaluate(config: Point, objective: Learnable, space: Space, known: Mapping[str, float]) -> None:
+    value = known.get(_key(config))
+    tune.report({METRIC: objective.value(space.parameters(config)) if value is None else value})
+
+
+def _trial_id(trial: Any) -> str:
+    return str(trial.trial_id)
+
+
+def _key(point: Mapping[str, Any]) -> str:
+    return json.dumps(point, sort_keys=True)
+
+
+class Journal:
+    """The finished trials of a search, a line each: a file that only grows.
+
+    Parameters
+    ----------
+    path : Path
+
+    Attributes
+    ----------
+    values : dict
+        Value of each point, which is written as JSON.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.values: dict[str, float] = {}
+
+    def begin(self, header: Mapping[str, Any], resume: bool) -> None:
+        """Open a new journal, or the one that is there.
+
+        Raises
+        ------
+        ValueError
+            If there is one but should not be, or the other way round, or it is that of another search.
+        """
+        folder = self.path.parent
+        if not resume:
+            if self.path.exists():
+                raise ValueError(f"{folder} holds the results of a search; resume it, or name another folder.")
+            folder.mkdir(parents=True, exist_ok=True)
+            self.path.write_text(json.dumps(header) + "\n")
+            return
+        if not self.path.exists():
+            raise ValueError(f"{folder} holds no search to resume: there is no {self.path.name} in it.")
+        if self.read() != header:
+            raise ValueError(f"The search in {folder} has other joints, another family, invariance or seed.")
+
+    def read(self) -> dict[str, Any]:
+        """Read all lines, and return the first."""
+        # a line that a kill has cut short ends without a newline
+        lines = self.path.read_text().split("\n")[:-1]
+        self.values = {}
+        for line in lines[1:]:
+            trial = json.loads(line)
+            self.values[_key(trial["point"])] = trial[METRIC]
+        return dict(json.loads(lines[0])) if lines else {}
+
+    def add(self, point: Point, value: float) -> bool:
+        """Write a trial down, unless it is there."""
+        key = _key(point)
+        if key in self.values:
+            return False
+        self.values[key] = value
+        with self.path.open("a") as file:
+            file.write(json.dumps({"point": point, METRIC: value}) + "\n")
+        return True
+
+    def __getstate__(self) -> Path:
+        """Travel as a path: what is in the file is newer."""
+        return self.path
+
+    def __setstate__(self, path: Path) -> None:
+        """Read the file."""
+        self.__init__(path)  # type: ignore[misc]
+        if path.exists():
+            self.read()
+
+
+class _Interruption(Exception):
+    """Ctrl+C, as an error that Tune cleans up after; it does not after KeyboardInterrupt."""
+
+
+class _Recorder(tune.Callback, tune.Stopper):
+    """Enters finished trials into the journal, and ends the search once it has converged."""
+
+    def __init__(self, journal: Journal, settings: TuneSettings) -> None:
+        self._journal, self._settings = journal, settings
+        self._convergence = Convergence(WINDOW if settings.window is None else settings.window, settings.threshold)
+        self._stop = any([self._convergence.reached(value) for value in journal.values.values()])
+
+    def on_trial_complete(self, iteration: int, trials: list[Any], trial: Any, **info: Any) -> None:
+        value = trial.last_result.get(METRIC)
+        if value is None or not self._journal.add(trial.config, value):
+            return
+        self._stop |= self._convergence.reached(value)
+        follower = _followers.get(self._journal.path)
+        if follower:
+            follower(len(self._journal.values), min(self._journal.values.values()))
+
+    def on_step_end(self, iteration: int, trials: list[Any], **info: Any) -> None:
+        if _interrupted.is_set():
+            raise _Interruption  # Tune closes all logs then, and its state stays that of a search to be resumed
+
+    def on_trial_error(self, iteration: int, trials: list[Any], trial: Any, **info: Any) -> None:
+        self._stop = True  # others would fail too
+
+    def __call__(self, trial_id: str, result: dict[str, Any]) -> bool:
+        return False  # a trial ends by itself
+
+    def stop_all(self) -> bool:
+        return self._stop
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Begin anew from the journal."""
+        return _Recorder, (self._journal, self._settings)
+
+
+class _JournalledSearch(HyperOptSearch):
+    """HyperOpt, which is first told what the journal knows and it does not; identity comes before everything."""
+
+    def __init__(self, space: Space, seed: int, journal: Journal) -> None:
+        super().__init__(
+            space.expression(),
+            metric=METRIC,
+            mode=MODE,
+            points_to_evaluate=[space.identity],
+            n_initial_points=STARTUP,
+            random_state_seed=seed,
+        )
+        self._journal = journal
+        self._forgotten: list[Point] | None = None
+
+    def suggest(self, trial_id: str) -> dict[str, Any] | None:
+        if self._forgotten is None:
+            known = {_key(point_of(document)) for document in self._hpopt_trials.trials}
+            self._forgotten = [json.loads(key) for key in self._journal.values if key not in known]
+        if self._points_to_evaluate or not self._forgotten:
+            return super().suggest(trial_id)
+        point = self._forgotten.pop(0)
+        self.rstate.randint(2**31 - 1)  # as if suggested, so that the search goes on as it would have
+        document = as_document(point, self._hpopt_trials, self.domain)
+        self._hpopt_trials.insert_trial_docs([document])
+        self._hpopt_trials.refresh()
+        self._live_trial_mapping[trial_id] = (document["tid"], document)
+        return point
+
+    def restore(self, checkpoint_path: str) -> None:
+        super().restore(checkpoint_path)
+        self._forgotten = None
+
+
+def _has_state(folder: Path) -> bool:
+    """Whether Tune got as far as saving its state, all of it."""
+    states = sorted(folder.glob("experiment_state-*.json"))
+    try:
+        json.loads(states[-1].read_text())
+    except (IndexError, ValueError):
+        return False
+    return tune.Tuner.can_restore(str(folder))
+
+
+@contextmanager
+def _interruptible() -> Iterator[None]:
+    """Let Ctrl+C end a search in an orderly way; pressed again, it interrupts at once."""
+    usual = signal.default_int_handler
+    if threading.current_thread() is not threading.main_thread() or signal.getsignal(signal.SIGINT) is not usual:
+        yield
+        return
+
+    def stop(number: int, frame: Any) -> None:
+        _interrupted.set()
+        signal.signal(signal.SIGINT, usual)
+
+    _interrupted.clear()
+    signal.signal(signal.SIGINT, stop)
+    try:
+        yield
+    except _Interruption:
+        raise KeyboardInterrupt from None
+    finally:
+        signal.signal(signal.SIGINT, usual)
+        _interrupted.clear()
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep Tune from printing, since what we print ourselves says enough, and from taking Ctrl+C for the end."""
+    # Tune would hand over what it has as if that were all, and never give the signal back: see `_interruptible`.
+    wanted = {"RAY_AIR_NEW_OUTPUT": "0", "TUNE_DISABLE_SIGINT_HANDLER": "1"}
+    before, logger = {name: os.environ.get(name) for name in wanted}, logging.getLogger("ray")
+    os.environ.update(wanted)
+    level = logger.level
+    logger.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value

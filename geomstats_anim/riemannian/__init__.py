@@ -1,0 +1,1 @@
+"""The Geomstats face: metrics and manifolds of poses."""

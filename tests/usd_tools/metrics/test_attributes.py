@@ -1,0 +1,180 @@
+"""The metric travels in a USD file without loss."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pxr import Sdf, Usd, Vt
+from rigs import ANIMATION, JOINTS, SKELETON, make_rig, stored_metric
+
+from geomstats_anim import LearnedMetric, MetricParameters
+from usd_tools.console.errors import ToolError
+from usd_tools.metrics.attributes import read_metric, summary, write_metric
+
+PROVENANCE = {
+    "source": "walk.usda",
+    "seed": 3,
+    "big": 2**40,
+    "score": 0.1,
+    "done": True,
+    "names": ["a", "b"],
+    "rates": [0.3, 1.0],
+    "counts": [1, 2],
+    "none": [],
+    "scores": {"left": 0.25},
+    "keys": [5],
+}
+
+
+def some_metric(axes=False, joints=JOINTS):
+    rng = np.random.default_rng(0)
+    n = len(joints)
+    parameters = MetricParameters(
+        rng.uniform(0.1, 9.0, n),
+        rng.uniform(0.1, 9.0, n),
+        rng.normal(size=(n, 3)) if axes else None,
+        tuple(rng.choice(["left", "right"], n)),
+    )
+    return LearnedMetric(
+        tuple(joints), parameters, rng.uniform(size=n), "geodesic", "hyb", PROVENANCE, rng.uniform(size=n)
+    )
+
+
+@pytest.mark.parametrize("axes", [False, True])
+@pytest.mark.parametrize("extension", ["usda", "usdc"])
+def test_round_trip(tmp_path, axes, extension):
+    metric = some_metric(axes)
+    layer = Sdf.Layer.CreateNew(str(tmp_path / f"metric.{extension}"))
+    write_metric(Sdf.CreatePrimInLayer(layer, ANIMATION), metric)
+    layer.Save()
+    del layer
+    stage = Usd.Stage.Open(str(tmp_path / f"metric.{extension}"))
+    again = read_metric(stage.GetPrimAtPath(ANIMATION))
+    assert again.to_json() == metric.to_json()
+    assert stage.GetPrimAtPath(ANIMATION).HasAttribute("geodesicMetric:axes") == axes
+    assert stage.GetPrimAtPath(ANIMATION).GetCustomDataByKey("geodesicMetric")["source"] == "walk.usda"
+
+
+def test_a_metric_without_translation_tension_gets_the_usual(tmp_path):
+    stage = make_rig(tmp_path / "in.usda")
+    layer = stage.GetRootLayer()
+    write_metric(Sdf.CreatePrimInLayer(layer, ANIMATION), replace(some_metric(), scheme="geodesic-spline"))
+    stage.GetPrimAtPath(ANIMATION).RemoveProperty("geodesicMetric:translationTension")
+    assert (read_metric(stage.GetPrimAtPath(ANIMATION)).translation_tension == 1.0).all()
+
+
+def test_no_metric(tmp_path):
+    stage = make_rig(tmp_path / "in.usda")
+    assert read_metric(stage.GetPrimAtPath(ANIMATION)) is None
+
+
+def test_a_stronger_metric_hides_a_weaker_one_altogether(tmp_path, run):
+    make_rig(tmp_path / "in.usda")
+    layer = Sdf.Layer.FindOrOpen(str(tmp_path / "in.usda"))
+    write_metric(layer.GetPrimAtPath(ANIMATION), some_metric(axes=True))
+    layer.Save()
+    for flat in ([], ["--flatten"]):
+        out = tmp_path / f"out{len(flat)}.usda"
+        run("upsample", tmp_path / "in.usda", "-o", out, "--factor", 2, "--metric", "identity", *flat)
+        stage = Usd.Stage.Open(str(out))
+        metric = read_metric(stage.GetPrimAtPath(ANIMATION))
+        assert metric.parameters.axes is None
+        assert (metric.quality, metric.provenance) == ("", {})
+
+
+def test_entries_of_a_weaker_metric_do_not_show_through_at_any_depth(tmp_path):
+    for name, entries in (("weak", {"a": 1, "deep": {"b": 2, "c": 3}}), ("strong", {"deep": {"c": 4}})):
+        layer = Sdf.Layer.CreateNew(str(tmp_path / f"{name}.usda"))
+        layer.subLayerPaths = ["./weak.usda"] if name == "strong" else []
+        write_metric(Sdf.CreatePrimInLayer(layer, ANIMATION), replace(some_metric(), provenance=entries))
+        layer.Save()
+    stage = Usd.Stage.Open(str(tmp_path / "strong.usda"))
+    assert read_metric(stage.GetPrimAtPath(ANIMATION)).provenance == {"deep": {"c": 4}}
+
+
+def test_stored_metric_is_used_and_written(tmp_path, run):
+    metric = some_metric(joints=[*JOINTS[:2], "elsewhere"])
+    make_rig(tmp_path / "in.usda")
+    layer = Sdf.Layer.FindOrOpen(str(tmp_path / "in.usda"))
+    write_metric(layer.GetPrimAtPath(ANIMATION), metric)
+    layer.Save()
+    code, out, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2)
+    assert (code, "geodesic, stored metric" in out) == (0, True)
+    assert err == (f"warning: {ANIMATION}: the metric knows nothing of {JOINTS[2]}; the identity is used there.\n")
+    stage = Usd.Stage.Open(str(tmp_path / "out.usda"))
+    written = read_metric(stage.GetPrimAtPath(ANIMATION))
+    assert written.to_json() == metric.for_joints(JOINTS)[0].to_json()
+    text = stage.GetPrimAtPath(SKELETON).GetAttribute("userProperties:geodesicMetric").Get()
+    assert text == summary(written)
+
+
+def test_metric_from_a_file_matches_by_name(tmp_path, run):
+    make_rig(tmp_path / "in.usda")
+    metric = some_metric(joints=JOINTS[::-1])
+    (tmp_path / "metric.json").write_text(metric.to_json())
+    arguments = ["--factor", 2, "--metric", tmp_path / "metric.json", "--scheme", "geodesic"]
+    code, out, _ = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", *arguments)
+    assert (code, "geodesic, metric.json metric" in out) == (0, True)
+    written = stored_metric(tmp_path / "out.usda")
+    assert written.parameters.alpha.tolist() == metric.parameters.alpha[::-1].tolist()
+    assert str(tmp_path) not in (tmp_path / "out.usda").read_text()
+    (tmp_path / "other.json").write_text(some_metric(joints=["x"]).to_json())
+    arguments[3] = tmp_path / "other.json"
+    code, _, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out2.usda", *arguments)
+    assert code == 1 and err.endswith("knows none of the joints; there are hips, spine, arm.\n")
+
+
+@pytest.mark.parametrize(
+    ("attribute", "value", "words"),
+    [
+        ("alpha", [1.0], "geodesicMetric:alpha has 1 values for 3 joints."),
+        ("alpha", [1.0, -1.0, 1.0], "makes no metric: alpha of joint 1 is -1.0"),
+        ("version", 7, "geodesicMetric:version is 7, but this program reads 1; update it."),
+        ("invariance", ["left", "up", "left"], "makes no metric: invariance of joint 1 is 'up'"),
+        ("beta", None, "geodesicMetric:beta is missing; write the whole metric, or remove it."),
+        ("joints", ["a", "a", "b"], "makes no metric: Joint names must be unique"),
+    ],
+)
+def test_malformed(tmp_path, attribute, value, words):
+    stage = make_rig(tmp_path / "in.usda")
+    prim = stage.GetPrimAtPath(ANIMATION)
+    write_metric(stage.GetRootLayer().GetPrimAtPath(ANIMATION), some_metric())
+    found = prim.GetAttribute(f"geodesicMetric:{attribute}")
+    found.Clear() if value is None else found.Set(value)
+    with pytest.raises(ToolError) as error:
+        read_metric(prim)
+    assert str(error.value).startswith(ANIMATION) and words in str(error.value)
+
+
+def test_wrong_type(tmp_path):
+    stage = make_rig(tmp_path / "in.usda")
+    prim = stage.GetPrimAtPath(ANIMATION)
+    write_metric(stage.GetRootLayer().GetPrimAtPath(ANIMATION), some_metric())
+    prim.RemoveProperty("geodesicMetric:alpha")
+    prim.CreateAttribute("geodesicMetric:alpha", Sdf.ValueTypeNames.FloatArray).Set([1.0, 1.0, 1.0])
+    with pytest.raises(ToolError, match="geodesicMetric:alpha has type float\\[\\]; it must have type double\\[\\]"):
+        read_metric(prim)
+
+
+@pytest.mark.parametrize("entries", [{"entries": 3}, {"entries": Vt.StringArray(["gone"])}, {"by_joint": 1.0, "x": 2}])
+def test_provenance_that_somebody_has_edited(tmp_path, run, entries):
+    stage = make_rig(tmp_path / "in.usda")
+    spec = stage.GetRootLayer().GetPrimAtPath(ANIMATION)
+    write_metric(spec, some_metric())
+    spec.customData = {"geodesicMetric": {**entries, "styles": 5}}
+    stage.Save()
+    code, _, err = run("inspect", tmp_path / "in.usda")
+    assert (code, err) == (0, "")
+    out = ["-o", tmp_path / "out.usda", "--factor", 2, "--alpha", 3]
+    assert run("upsample", tmp_path / "in.usda", *out)[0] == 0
+    assert stored_metric(tmp_path / "out.usda").provenance["styles"] == ["*:alpha=3"]
+    spec.customData = {"geodesicMetric": {"where": Sdf.AssetPath("a.usda")}}
+    with pytest.raises(ToolError, match="makes no metric: where of its customData is of a type that no metric has"):
+        read_metric(stage.GetPrimAtPath(ANIMATION))
+
+
+def test_provenance_that_usd_cannot_hold():
+    layer = Sdf.Layer.CreateAnonymous()
+    metric = LearnedMetric(("a",), MetricParameters.identity(1), provenance={"seed": None})
+    with pytest.raises(ToolError, match="seed = None"):
+        write_metric(Sdf.CreatePrimInLayer(layer, ANIMATION), metric)

@@ -1,0 +1,336 @@
+"""The cells of a comparison: a clip, rebuilt by a scheme from a share of its samples, and scored."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from geomstats_anim import SCHEMES, Animation, LearnedMetric, quality, uniform_keyframes
+from geomstats_anim import rotations as quat
+from geomstats_anim.criteria import location_errors, rotation_errors
+from geomstats_anim.interpolation.schemes import WITH_METRIC
+from geomstats_anim.learning.gradient import FAMILIES
+from geomstats_anim.learning.learn import PURPOSES, STILL, learn_metric
+from usd_tools.learning.clips import Take
+from usd_tools.skel.sizes import bytes_numpy, bytes_usdc
+
+RATES = (0.5, 0.3, 0.2, 0.1, 0.05)
+"""Shares of samples kept, where nothing else is asked for."""
+
+
+@dataclass(frozen=True)
+class Contender:
+    """A scheme, and for one that learns, the family of its metric.
+
+    Parameters
+    ----------
+    word : str
+        How it is named on the command line, and in the results.
+    scheme : str
+        A name in `SCHEMES`.
+    family : str or None
+        None for a scheme that learns nothing.
+    """
+
+    word: str
+    scheme: str
+    family: str | None
+
+    @classmethod
+    def parse(cls, text: str) -> Contender:
+        """Parse a word of the command line, such as `slerp` or `geodesic:spd`.
+
+        Raises
+        ------
+        argparse.ArgumentTypeError
+            If there is no such scheme or family, or the scheme learns nothing.
+        """
+        scheme, colon, family = text.partition(":")
+        if scheme not in SCHEMES:
+            raise argparse.ArgumentTypeError(f"there is no scheme {scheme!r}; the schemes are {', '.join(SCHEMES)}")
+        if scheme not in WITH_METRIC:
+            if colon:
+                raise argparse.ArgumentTypeError(f"{scheme} has no metric, so it has no family; say {scheme} alone")
+            return cls(scheme, scheme, None)
+        family = family if colon else FAMILIES[0]
+        if family not in FAMILIES:
+            raise argparse.ArgumentTypeError(
+                f"there is no family {family!r}; the families are {', '.join(FAMILIES)}, as in {scheme}:{FAMILIES[-1]}"
+            )
+        return cls(scheme if family == FAMILIES[0] else f"{scheme}:{family}", scheme, family)
+
+    @property
+    def purposes(self) -> tuple[str | None, ...]:
+        """What it may be learned for; None alone for a scheme that learns nothing."""
+        return (None,) if self.family is None else tuple(reversed(PURPOSES))
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One rebuilding of a clip.
+
+    Parameters
+    ----------
+    clip : str
+    rate : float
+        Share of samples kept as uniform keys.
+    contender : Contender
+    purpose : str or None
+        What its metric is learned for.
+    unseen : bool
+        Whether only the second half is rebuilt and scored, with a metric learned from the first.
+    """
+
+    clip: str
+    rate: float
+    contender: Contender
+    purpose: str | None
+    unseen: bool
+
+    def __str__(self) -> str:
+        """Name it."""
+        unseen = f", second half, {self.purpose or 'nothing learned'}" if self.unseen else ""
+        return f"{self.clip} at rate {self.rate:g}, {self.contender.word}{unseen}"
+
+
+@dataclass(frozen=True)
+class Row:
+    """What a cell came to; None where it failed, or where there is nothing to tell.
+
+    Parameters
+    ----------
+    clip, rate, scheme : str, float, str
+    keys : int
+    q_loc, q_rot, q_hyb : float
+        Quality as in the papers: summed over joints, averaged over frames; square metres and radians.
+    mean_rotation_deg : float
+        Angle between local rotations, averaged over the joints that move and over all frames, keys among them.
+    mean_location_cm, max_location_cm : float
+        Distance of bone ends, averaged over all joints and frames, and the largest.
+    bytes_numpy : int
+        Kept rotations and translations and learned parameters as .npy files of float32.
+    bytes_usdc : int
+        A usdc file of the kept samples and the learned metric, and nothing else.
+    seconds_learn, seconds_interpolate : float
+        The only columns that differ from run to run.
+    out_of_sample : bool
+        Whether it is scored on the second half of the clip, and anything learned is learned from the first. Else it is
+        scored on the whole clip, which is in-sample for what is learned.
+    family, purpose : str
+        Of what is learned.
+    frames, joints : int
+        That are scored.
+    slerped_segments : int
+        Segments of single joints whose geodesic was not found.
+    usd : str
+        File of the rebuilt clip, as seen from the folder.
+    error : str
+        Why the cell failed.
+    """
+
+    clip: str
+    rate: float
+    scheme: str
+    keys: int | None = None
+    q_loc: float | None = None
+    q_rot: float | None = None
+    q_hyb: float | None = None
+    mean_rotation_deg: float | None = None
+    mean_location_cm: float | None = None
+    max_location_cm: float | None = None
+    bytes_numpy: int | None = None
+    bytes_usdc: int | None = None
+    seconds_learn: float | None = None
+    seconds_interpolate: float | None = None
+    out_of_sample: bool = False
+    family: str | None = None
+    purpose: str | None = None
+    frames: int | None = None
+    joints: int | None = None
+    slerped_segments: int | None = None
+    usd: str | None = None
+    error: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """A cell, what it came to, and what was learned for it."""
+
+    cell: Cell
+    row: Row
+    metric: LearnedMetric | None = None
+
+
+def cells(clips: Sequence[str], rates: Sequence[float], contenders: Sequence[Contender]) -> list[Cell]:
+    """Every cell of a comparison, those out of sample beside those in sample."""
+    return [
+        Cell(clip, rate, contender, purpose, unseen)
+        for clip in clips
+        for rate in rates
+        for contender in contenders
+        for unseen in (False, True)
+        for purpose in (contender.purposes if unseen else contender.purposes[-1:])
+    ]
+
+
+@dataclass(frozen=True, eq=False)
+class Rebuilt:
+    """Stretches of a clip, rebuilt from their keys.
+
+    Parameters
+    ----------
+    keys : tuple of array-like of int
+        Frames kept of each stretch.
+    stretches : tuple of Animation
+    slerped : int
+        Segments of single joints whose geodesic was not found.
+    """
+
+    keys: tuple[np.ndarray, ...]
+    stretches: tuple[Animation, ...]
+    slerped: int
+
+
+def rebuild(stretches: Sequence[Animation], rate: float, scheme: str, metric: LearnedMetric | None) -> Rebuilt:
+    """Rebuild stretches from a share of their frames.
+
+    Parameters
+    ----------
+    stretches : sequence of Animation
+    rate : float
+    scheme : str
+        A name in `SCHEMES`.
+    metric : LearnedMetric or None
+
+    Returns
+    -------
+    rebuilt : Rebuilt
+    """
+    kept = tuple(uniform_keyframes(stretch.n_frames, rate) for stretch in stretches)
+    curves = [SCHEMES[scheme](stretch.at_frames(keys), metric) for stretch, keys in zip(stretches, kept, strict=True)]
+    dense = tuple(curve(stretch.times) for curve, stretch in zip(curves, stretches, strict=True))
+    return Rebuilt(kept, dense, sum(len(curve.fallbacks) for curve in curves))
+
+
+def measure(cell: Cell, take: Take, kind: str) -> Outcome:
+    """Do what a cell says; what goes wrong is told in its row.
+
+    Parameters
+    ----------
+    cell : Cell
+    take : Take
+    kind : str
+        Quality that learning minimises.
+
+    Returns
+    -------
+    outcome : Outcome
+    """
+    try:
+        return _measured(cell, take, kind)
+    except Exception as error:  # whatever it is, a comparison of hours must not be lost for one cell
+        return failed(cell, error)
+
+
+def failed(cell: Cell, error: Exception) -> Outcome:
+    """Tell in its row why a cell failed."""
+    kind = "" if isinstance(error, ValueError) else f"{type(error).__name__}: "
+    return Outcome(cell, replace(_row(cell), error=kind + " ".join(str(error).split())))
+
+
+def _row(cell: Cell) -> Row:
+    return Row(
+        cell.clip,
+        cell.rate,
+        cell.contender.word,
+        out_of_sample=cell.unseen,
+        family=cell.contender.family,
+        purpose=cell.purpose,
+    )
+
+
+def _measured(cell: Cell, take: Take, kind: str) -> Outcome:
+    scored = take.stretches
+    if cell.unseen:
+        scored = tuple(stretch.at_frames(slice(stretch.n_frames // 2, None)) for stretch in scored)
+    metric, seconds_learn = None, 0.0
+    if cell.purpose is not None:
+        metric, seconds_learn = _learned(take, cell.rate, cell.contender, cell.unseen, kind, cell.purpose)
+    rebuild(scored, cell.rate, cell.contender.scheme, metric)  # loads what is compiled, so that it is not timed
+    begin = time.perf_counter()
+    rebuilt = rebuild(scored, cell.rate, cell.contender.scheme, metric)
+    end = time.perf_counter()
+    keys = [stretch.at_frames(kept) for stretch, kept in zip(scored, rebuilt.keys, strict=True)]
+    row = replace(
+        _row(cell),
+        keys=sum(map(len, rebuilt.keys)),
+        **_scores(rebuilt.stretches, scored),
+        bytes_numpy=bytes_numpy(keys, metric),
+        bytes_usdc=bytes_usdc(keys, metric),
+        seconds_learn=seconds_learn,
+        seconds_interpolate=end - begin,
+        frames=sum(stretch.n_frames for stretch in scored),
+        joints=scored[0].n_joints,
+        slerped_segments=rebuilt.slerped,
+    )
+    return Outcome(cell, row, metric)
+
+
+@lru_cache(maxsize=4)
+def _learned(
+    take: Take, rate: float, contender: Contender, first_half: bool, kind: str, purpose: str
+) -> tuple[LearnedMetric, float]:
+    """Learn a metric, and tell how many seconds it took; the fit that "predict" shrinks is that of "reconstruct"."""
+    stretches = take.stretches
+    if first_half:
+        stretches = tuple(stretch.at_frames(slice(0, stretch.n_frames // 2 + 1)) for stretch in stretches)
+    keys = [uniform_keyframes(stretch.n_frames, rate) for stretch in stretches]
+    if purpose != PURPOSES[0] and sum(len(kept) - 1 for kept in keys) < 2:
+        # a segment alone cannot tell how to predict
+        joints = stretches[0].skeleton.joints
+        return LearnedMetric.plain(joints, contender.scheme), 0.0
+    fitted, seconds = None, 0.0
+    if purpose != PURPOSES[0]:
+        fitted, seconds = _learned(take, rate, contender, first_half, kind, PURPOSES[0])
+    start = time.perf_counter()
+    metric = learn_metric(
+        stretches,
+        keys,
+        scheme=contender.scheme,
+        family=contender.family or FAMILIES[0],
+        purpose=purpose,
+        kind=kind,
+        fitted=fitted,
+    )
+    return metric, seconds + time.perf_counter() - start
+
+
+def _scores(rebuilt: Sequence[Animation], reference: Sequence[Animation]) -> dict[str, Any]:
+    """Scores over all stretches, every frame with the same weight."""
+    pairs = list(zip(rebuilt, reference, strict=True))
+    frames = [truth.n_frames for truth in reference]
+    qualities = {
+        f"q_{kind}": float(np.average([quality(new, truth, kind) for new, truth in pairs], weights=frames))
+        for kind in ("loc", "rot", "hyb")
+    }
+    turns = turning(reference)
+    angles = np.concatenate([rotation_errors(new, truth) for new, truth in pairs])[:, turns]
+    distances = np.concatenate([location_errors(new, truth) for new, truth in pairs])
+    return {
+        **qualities,
+        "mean_rotation_deg": float(np.degrees(angles.mean())) if turns.any() else 0.0,
+        "mean_location_cm": float(100.0 * distances.mean()),
+        "max_location_cm": float(100.0 * distances.max()),
+    }
+
+
+def turning(stretches: Sequence[Animation]) -> np.ndarray:
+    """Which joints turn at all, shape=[B]."""
+    first = stretches[0].rotations[:1]
+    return np.any([(quat.distance(part.rotations, first) >= STILL).any(axis=0) for part in stretches], axis=0)

@@ -1,0 +1,45 @@
+"""The report of a comparison: its figures, and its page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from usd_tools.comparison.cells import Outcome, Row
+from usd_tools.comparison.report.figures import draw_all
+from usd_tools.comparison.report.page import write_page
+from usd_tools.comparison.report.scenes import scenes
+from usd_tools.comparison.results import ComparedClip
+
+
+def write_report(
+    folder: Path,
+    head: Mapping[str, Any],
+    clips: Sequence[ComparedClip],
+    outcomes: Sequence[Outcome],
+    rows: Sequence[Row],
+    advance: Callable[[float, str], None] = lambda amount, what: None,
+) -> None:
+    """Draw the figures and write the page.
+
+    Parameters
+    ----------
+    folder : Path
+        Gets a folder `figures`, and `index.html`.
+    head : mapping
+        What results.json says before its rows.
+    clips : sequence of ComparedClip
+    outcomes : sequence of Outcome
+    rows : sequence of Row
+    advance : callable
+        Told what is drawn.
+    """
+    seen = scenes(clips, outcomes)
+    figures = folder / "figures"
+    figures.mkdir()
+    pictures = []
+    for picture in draw_all(figures, seen, rows, head["settings"]["kind"]):
+        pictures.append(picture)
+        advance(1.0, f"Drawing: {picture.name}")
+    write_page(folder / "index.html", figures, head, rows, seen, pictures)

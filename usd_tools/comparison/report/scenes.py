@@ -1,0 +1,192 @@
+"""Clips as points and bones to draw: in the world, z up, whatever the file says is up."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from geomstats_anim import Animation, LearnedMetric, Skeleton
+from geomstats_anim.criteria import location_errors
+from geomstats_anim.kinematics import place, world_pose
+from usd_tools.comparison.cells import Contender, Outcome, Rebuilt, rebuild
+from usd_tools.comparison.results import ComparedClip
+from usd_tools.skel.clip import SkelClip
+
+
+@dataclass(frozen=True)
+class Bones:
+    """Lines of a skeleton between points: the origins of its joints, then the ends of those without children.
+
+    A root that holds nothing but a joint with several children is a handle on the floor, and has no bone.
+
+    Parameters
+    ----------
+    lines : array-like of int, shape=[L, 2]
+        Points at both ends.
+    owners : array-like of int, shape=[L]
+        Joint that each line turns with.
+    leaves : array-like of int, shape=[E]
+        Joints without children.
+    """
+
+    lines: np.ndarray
+    owners: np.ndarray
+    leaves: np.ndarray
+
+    @property
+    def drawn(self) -> np.ndarray:
+        """Points that lines lead to."""
+        return np.unique(self.lines)
+
+    @classmethod
+    def of(cls, skeleton: Skeleton) -> Bones:
+        """Find the bones of a skeleton."""
+        parents, n_joints = skeleton.parents, skeleton.n_joints
+        children = np.flatnonzero(parents >= 0)
+        leaves = np.setdiff1d(np.arange(n_joints), parents)
+        leaves = leaves[np.linalg.norm(skeleton.bone_ends[leaves], axis=-1) > 0.0]
+        n_children = np.bincount(parents[children], minlength=n_joints)
+        above = parents[children]
+        is_handle = (parents[above] < 0) & (n_children[above] == 1) & (n_children[children] > 1)
+        children = children[~is_handle]
+        inner = np.stack([parents[children], children], axis=-1)
+        outer = np.stack([leaves, n_joints + np.arange(len(leaves))], axis=-1)
+        return cls(np.concatenate([inner, outer]), np.concatenate([parents[children], leaves]), leaves)
+
+
+def upright(clip: SkelClip) -> np.ndarray:
+    """Rotation from a skeleton's space to a world in which z is up, shape=[3, 3], for row vectors."""
+    source = clip.source
+    turn = np.eye(3)
+    if source.skeletons:
+        imageable = UsdGeom.Imageable(source.skeletons[0])
+        matrix = imageable.ComputeLocalToWorldTransform(Usd.TimeCode.EarliestTime())
+        turn = np.array(matrix.RemoveScaleShear().ExtractRotationMatrix())
+    if UsdGeom.GetStageUpAxis(source.stage) == UsdGeom.Tokens.y:
+        turn = turn @ np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+    return turn
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A clip, and what each scheme makes of it at one rate.
+
+    Parameters
+    ----------
+    compared : ComparedClip
+    rate : float
+    contenders : tuple of Contender
+    metrics : mapping of str to LearnedMetric or None
+        By the words of the contenders that did not fail.
+    """
+
+    compared: ComparedClip
+    rate: float
+    contenders: tuple[Contender, ...]
+    metrics: Mapping[str, LearnedMetric | None]
+
+    @property
+    def name(self) -> str:
+        """Name of the clip."""
+        return self.compared.name
+
+    @property
+    def stretches(self) -> tuple[Animation, ...]:
+        """The original."""
+        return self.compared.take.stretches
+
+    @cached_property
+    def rebuilt(self) -> dict[str, Rebuilt]:
+        """What each scheme makes of it, by their words."""
+        return {
+            contender.word: rebuild(self.stretches, self.rate, contender.scheme, self.metrics[contender.word])
+            for contender in self.contenders
+            if contender.word in self.metrics
+        }
+
+    @cached_property
+    def times(self) -> np.ndarray:
+        """Seconds of all frames, shape=[F]."""
+        return np.concatenate([stretch.times for stretch in self.stretches])
+
+    @cached_property
+    def is_key(self) -> np.ndarray:
+        """Which frames are kept, shape=[F]."""
+        any_of = next(iter(self.rebuilt.values()))
+        parts = [np.isin(np.arange(s.n_frames), keys) for s, keys in zip(self.stretches, any_of.keys, strict=True)]
+        return np.concatenate(parts)
+
+    @cached_property
+    def errors(self) -> dict[str, np.ndarray]:
+        """Mean distance of bone ends in centimetres in each frame, shape=[F], by the words of schemes."""
+        return {
+            word: np.concatenate(
+                [
+                    100.0 * location_errors(new, truth).mean(axis=1)
+                    for new, truth in zip(rebuilt.stretches, self.stretches, strict=True)
+                ]
+            )
+            for word, rebuilt in self.rebuilt.items()
+        }
+
+    @cached_property
+    def bones(self) -> Bones:
+        """Lines between points."""
+        return Bones.of(self.compared.take.skeleton)
+
+    @cached_property
+    def _turn(self) -> np.ndarray:
+        return upright(self.compared.clip)
+
+    def points(self, word: str | None = None) -> np.ndarray:
+        """Points in metres of the original, or of what a scheme makes of it, shape=[F, P, 3]."""
+        parts = self.stretches if word is None else self.rebuilt[word].stretches
+        found = []
+        for part in parts:
+            pose = world_pose(part)
+            found.append(np.concatenate([pose.origins, pose.ends[:, self.bones.leaves]], axis=1))
+        return np.concatenate(found) @ self._turn
+
+    @cached_property
+    def rest_points(self) -> np.ndarray:
+        """Points of the rest pose, shape=[P, 3]."""
+        skeleton = self.compared.take.skeleton
+        pose = place(skeleton, skeleton.rest_rotations[None], skeleton.rest_translations[None])
+        return np.concatenate([pose.origins[0], pose.ends[0, self.bones.leaves]]) @ self._turn
+
+    @property
+    def most_different(self) -> int:
+        """Frame in which the schemes differ most, that which only holds its keys left aside."""
+        errors = [error for word, error in self.errors.items() if word != "constant"] or list(self.errors.values())
+        spread = np.ptp(errors, axis=0) if len(errors) > 1 else errors[0]
+        return int(np.argmax(spread))
+
+
+def scenes(clips: Sequence[ComparedClip], outcomes: Sequence[Outcome]) -> list[Scene]:
+    """Every clip at every rate at which at least one scheme did not fail."""
+    found: dict[tuple[str, float], list[Outcome]] = {}
+    for outcome in outcomes:
+        if not outcome.cell.unseen and outcome.row.error is None:
+            found.setdefault((outcome.cell.clip, outcome.cell.rate), []).append(outcome)
+    by_name = {each.name: each for each in clips}
+    return [
+        Scene(
+            by_name[clip],
+            rate,
+            tuple(outcome.cell.contender for outcome in done),
+            {outcome.cell.contender.word: outcome.metric for outcome in done},
+        )
+        for (clip, rate), done in found.items()
+    ]
+
+
+def flattened(points: np.ndarray) -> np.ndarray:
+    """Directions of the view plane in which points spread most: one level, one up, shape=[3, 2]."""
+    level = points.reshape(-1, 3)[:, :2]
+    _, directions = np.linalg.eigh(np.cov((level - level.mean(axis=0)).T))
+    x, y = directions[:, -1] * np.sign(directions[np.abs(directions[:, -1]).argmax(), -1])
+    return np.array([[x, 0.0], [y, 0.0], [0.0, 1.0]])

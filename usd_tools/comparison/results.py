@@ -1,0 +1,144 @@
+"""What a comparison leaves on disk besides its report: rows as JSON and CSV, and every rebuilt clip as USD."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from usd_tools.comparison.cells import Outcome, Rebuilt, Row, rebuild
+from usd_tools.console.errors import Messages
+from usd_tools.learning.clips import Take
+from usd_tools.skel.channels import Channel
+from usd_tools.skel.clip import JOINT_CHANNELS, SkelClip
+from usd_tools.skel.resampling import resample
+from usd_tools.skel.writer import OverrideLayer, save
+
+COLUMNS = tuple(field.name for field in fields(Row))
+"""Columns of results.csv, and keys of the rows in results.json."""
+
+
+@dataclass(frozen=True, eq=False)
+class ComparedClip:
+    """A clip that is compared.
+
+    Parameters
+    ----------
+    name : str
+        Unique in the comparison, and fit for a folder.
+    path : Path
+        File that it is in.
+    clip : SkelClip
+    take : Take
+    """
+
+    name: str
+    path: Path
+    clip: SkelClip
+    take: Take
+
+
+def named(clips: Sequence[tuple[Path, SkelClip, Take]]) -> list[ComparedClip]:
+    """Name clips after their files, and after their prims where a file has several."""
+    named: dict[str, ComparedClip] = {}
+    files = [path for path, _, _ in clips]
+    for path, clip, take in clips:
+        words = [path.stem] if files.count(path) == 1 else [path.stem, clip.source.prim.GetName()]
+        base = re.sub(r"[^\w.-]", "_", "-".join(words))
+        name, number = base, 1
+        while name in named:
+            number += 1
+            name = f"{base}-{number}"
+        named[name] = ComparedClip(name, path, clip, take)
+    return list(named.values())
+
+
+def write_results(folder: Path, head: Mapping[str, Any], rows: Sequence[Row]) -> None:
+    """Write results.json and results.csv.
+
+    Parameters
+    ----------
+    folder : Path
+    head : mapping
+        What results.json says before its `rows`.
+    rows : sequence of Row
+    """
+    document = {**head, "rows": [asdict(row) for row in rows]}
+    (folder / "results.json").write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+    with open(folder / "results.csv", "w", encoding="utf-8", newline="") as file:
+        table = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        table.writeheader()
+        table.writerows(asdict(row) for row in rows)
+
+
+def write_rebuilt(
+    folder: Path, compared: ComparedClip, outcome: Outcome, tool: str, kind: str, messages: Messages
+) -> str:
+    """Write a rebuilt clip as a layer over its source, in the folder `usd`.
+
+    Every kept sample is the source's, bit for bit; the metric is stored with the animation.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the comparison.
+    compared : ComparedClip
+    outcome : Outcome
+        Of the whole clip, without error.
+    tool, kind : str
+        For the layer's `customLayerData`.
+    messages : Messages
+
+    Returns
+    -------
+    name : str
+        Of the file, as seen from the folder.
+    """
+    cell, clip = outcome.cell, compared.clip
+    scheme = cell.contender.scheme
+    rebuilt = rebuild(compared.take.stretches, cell.rate, scheme, outcome.metric)
+    settings = {"rate": cell.rate, "scheme": cell.contender.word, "kind": kind}
+    layer = OverrideLayer(clip.source.stage, tool, settings)
+    metric = None if outcome.metric is None else outcome.metric.for_joints(clip.joints)[0]
+    layer.write_animation(clip.source, rebuilt_channels(clip, compared.take, rebuilt), clip.missing, metric, messages)
+    name = f"usd/{cell.clip}/{cell.rate:g}/{cell.contender.word.replace(':', '_')}.usdc"
+    (folder / name).parent.mkdir(parents=True, exist_ok=True)
+    save(layer, compared.path, folder / name)
+    return name
+
+
+def rebuilt_channels(clip: SkelClip, take: Take, rebuilt: Rebuilt) -> dict[str, Channel]:
+    """Replace all samples of a clip that were not kept.
+
+    Within a stretch there are samples where the rotations have them; outside of all stretches, the clip's own.
+    """
+    aligned = resample(clip, clip.codes, "slerp").channels
+    spans = [stretch.times for stretch in take.stretches]
+    channels = {}
+    for name in JOINT_CHANNELS:
+        if name not in aligned:
+            continue
+        channel = aligned[name]
+        times = channel.codes / clip.codes_per_second  # the same division as in `takes`, so that they are equal
+        kept = np.ones(len(times), dtype=bool)
+        for span in spans:
+            kept &= (times < span[0]) | (times > span[-1]) | np.isin(times, span)
+        values, times = channel.values[kept], times[kept]
+        for stretch, keys in zip(rebuilt.stretches, rebuilt.keys, strict=True):
+            between = np.delete(np.arange(stretch.n_frames), keys)
+            new = getattr(stretch, name)[between][:, clip.columns]
+            place = np.searchsorted(times, stretch.times[between])
+            if name == "translations":
+                new = new / clip.world_scale
+            if name == "rotations":  # signs as in the source, for DCCs that interpolate components
+                old = values[place].astype(np.float64)
+                new = new * np.where(np.einsum("fnc,fnc->fn", new, old) < 0.0, -1.0, 1.0)[..., None]
+            values[place] = new
+        channels[name] = replace(channel, codes=channel.codes[kept], values=values, blocked=channel.blocked[kept])
+    return channels

@@ -1,0 +1,1 @@
+"""Command lines: arguments, errors, progress, tables; no USD."""

@@ -1,0 +1,176 @@
+"""A clip with few of its samples: which channels are thinned, what becomes a default, and what comes back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from geomstats_anim import Animation, LearnedMetric
+from geomstats_anim import rotations as quat
+from geomstats_anim.criteria import kind_shares
+from geomstats_anim.kinematics import world_pose
+from geomstats_anim.rotations import Array
+from usd_tools.skel.channels import Channel
+from usd_tools.skel.clip import SkelClip
+from usd_tools.skel.resampling import animation_of, resample, with_codes
+
+THINNED = ("rotations", "translations")
+"""Channels whose samples are chosen; scales and weights of blend shapes that change are kept whole, for nothing judges
+them."""
+
+
+def aligned(clip: SkelClip) -> SkelClip:
+    """Sample rotations and translations that change at the same times, as USD shows them; keys need both."""
+    moving = {name: clip.channels[name] for name in THINNED if name in clip.channels}
+    moving = {name: channel for name, channel in moving.items() if channel.is_animated and not _is_constant(channel)}
+    codes = [channel.codes for channel in moving.values()]
+    if len(codes) < 2 or np.array_equal(codes[0], codes[1]):
+        return clip
+    shown = resample(replace(clip, channels=moving), np.union1d(codes[0], codes[1]), "slerp").channels
+    note = f"{clip.path}: rotations and translations have samples at different times; both get samples at all of them."
+    return replace(clip, channels={**clip.channels, **shown}, notes=(*clip.notes, note))
+
+
+@dataclass(frozen=True, eq=False)
+class Thinning:
+    """What there is to choose from in an animation.
+
+    Parameters
+    ----------
+    clip : SkelClip
+    names : tuple of str
+        Channels that are thinned together; none if neither rotations nor translations change.
+    spans : tuple of slice
+        Their stretches between value blocks and steps.
+    """
+
+    clip: SkelClip
+    names: tuple[str, ...]
+    spans: tuple[slice, ...]
+
+    @classmethod
+    def of(cls, clip: SkelClip) -> Thinning:
+        """Look at an aligned clip."""
+        moving = [
+            name
+            for name in THINNED
+            if name in clip.channels and clip.channels[name].is_animated and not _is_constant(clip.channels[name])
+        ]
+        if not moving:
+            return cls(clip, (), ())
+        first = clip.channels[moving[0]]
+        names = tuple(name for name in moving if _same_samples(clip.channels[name], first))
+        return cls(clip, names, tuple(first.stretches(clip.codes_per_second)))
+
+    @property
+    def animations(self) -> list[Animation]:
+        """Motion of each stretch."""
+        return [self.clip.keys(self.names, span) for span in self.spans]
+
+    @property
+    def kept_whole(self) -> tuple[str, ...]:
+        """Channels that change and are not thinned."""
+        channels = self.clip.channels
+        return tuple(name for name in channels if name not in self.names and not _is_constant(channels[name]))
+
+    def frames_at(self, codes: np.ndarray) -> list[np.ndarray]:
+        """Find the frames of each stretch that are at some of the time codes."""
+        if not self.names:
+            return []
+        return [np.flatnonzero(np.isin(self.clip.channels[self.names[0]].codes[span], codes)) for span in self.spans]
+
+    def sparse(self, keyframes: Sequence[np.ndarray]) -> SkelClip:
+        """Keep some frames of each stretch, and whatever is in none; what is constant becomes a default.
+
+        Parameters
+        ----------
+        keyframes : sequence of array-like of int
+
+        Returns
+        -------
+        sparse : SkelClip
+        """
+        channels = {}
+        for name, channel in self.clip.channels.items():
+            if name in self.names:
+                kept = np.ones(len(channel.codes), dtype=bool)
+                for span, frames in zip(self.spans, keyframes, strict=True):
+                    kept[span] = False
+                    kept[span.start + frames] = True
+                channels[name] = _samples(channel, kept)
+            elif _is_constant(channel):
+                channels[name] = _samples(channel, np.zeros(len(channel.codes), dtype=bool))
+            else:
+                channels[name] = channel
+        if self.clip.is_animated and not any(len(channel.codes) for channel in channels.values()):
+            # one channel tells how long nothing moves
+            name, channel = next(item for item in self.clip.channels.items() if item[1].is_animated)
+            kept = np.zeros(len(channel.codes), dtype=bool)
+            kept[[0, -1]] = True
+            channels[name] = _samples(channel, kept)
+        return replace(self.clip, channels=channels)
+
+
+def restored(sparse: SkelClip, metric: LearnedMetric, codes: np.ndarray, scheme: str | None = None) -> SkelClip:
+    """Rebuild the samples that were removed, as `usd_tools.upsample --times source` does.
+
+    Parameters
+    ----------
+    sparse : SkelClip
+    metric : LearnedMetric
+    codes : array-like, shape=[F]
+        Where the source has samples.
+    scheme : str
+        Another scheme than the metric's; "slerp" is what viewers show.
+        Optional, default: the metric's.
+    """
+    dense = resample(sparse, with_codes(sparse, codes), scheme or metric.scheme, metric)
+    return replace(sparse, channels={**sparse.channels, **dense.channels})
+
+
+@dataclass(frozen=True, eq=False)
+class Errors:
+    """How far a rebuilt animation is from its source, frame by frame.
+
+    Parameters
+    ----------
+    joints : tuple of str, shape=[B]
+    degrees, centimetres : array-like, shape=[F, B]
+        Of local rotations, and of bone ends.
+    """
+
+    joints: tuple[str, ...]
+    degrees: Array
+    centimetres: Array
+
+    @classmethod
+    def between(cls, rebuilt: SkelClip, source: SkelClip) -> Errors:
+        """Compare two clips that have the same samples."""
+        ours, truth = animation_of(rebuilt), animation_of(source)
+        return cls(
+            truth.skeleton.joints,
+            np.degrees(quat.distance(truth.rotations, ours.rotations)),
+            100.0 * np.linalg.norm(world_pose(ours).ends - world_pose(truth).ends, axis=-1),
+        )
+
+    def quality(self, kind: str) -> float:
+        """Quality as in `geomstats_anim.criteria`, without weights."""
+        location = float(((0.01 * self.centimetres) ** 2).sum(axis=-1).mean())
+        rotation = float(np.radians(self.degrees).sum(axis=-1).mean())
+        shares = kind_shares(kind)
+        return shares.location * location + shares.rotation * rotation
+
+
+def _is_constant(channel: Channel) -> bool:
+    """Whether every sample is the same, bit for bit up to the sign of quaternions, and none is blocked."""
+    return not channel.blocked.any() and bool(channel.holds.all())
+
+
+def _same_samples(one: Channel, other: Channel) -> bool:
+    return np.array_equal(one.codes, other.codes) and np.array_equal(one.blocked, other.blocked)
+
+
+def _samples(channel: Channel, kept: np.ndarray) -> Channel:
+    return replace(channel, codes=channel.codes[kept], values=channel.values[kept], blocked=channel.blocked[kept])

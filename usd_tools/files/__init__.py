@@ -1,0 +1,1 @@
+"""Files on disk: checks, atomic writes, stages, packages."""

@@ -1,0 +1,154 @@
+"""What there is to learn from in a file: stretches of motion, cut where nothing leads from one sample to the next."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from geomstats_anim import Animation, Skeleton
+from geomstats_anim.learning.learn import turns
+from usd_tools.console.errors import ToolError
+from usd_tools.console.tables import counted
+from usd_tools.skel.clip import SkelClip
+from usd_tools.skel.resampling import animation_of
+
+MIN_SAMPLES = 4
+"""Two segments, and a sample between keys to be rebuilt."""
+
+
+@dataclass(frozen=True, eq=False)
+class Take:
+    """Motion of one animation.
+
+    Parameters
+    ----------
+    file : str
+        Name of its file.
+    sha256 : str
+        Of the file, in hexadecimal digits; not of other files that it needs.
+    prim : str
+        Path of the SkelAnimation.
+    label : str
+        How to name it to a user: the file, and the prim if there are several in it.
+    joints : tuple of str
+        The animation's joints, in its own order.
+    stretches : tuple of Animation
+        All joints of the skeleton, at the samples of the rotations.
+    """
+
+    file: str
+    sha256: str
+    prim: str
+    label: str
+    joints: tuple[str, ...]
+    stretches: tuple[Animation, ...]
+
+    def __str__(self) -> str:
+        """Name it."""
+        return self.label
+
+    @property
+    def skeleton(self) -> Skeleton:
+        """Its skeleton."""
+        return self.stretches[0].skeleton
+
+    @property
+    def n_frames(self) -> int:
+        """Number of frames in all stretches."""
+        return sum(stretch.n_frames for stretch in self.stretches)
+
+
+def take_of(path: Path, clip: SkelClip, alone: bool = True) -> Take:
+    """Find what there is to learn from in an animation.
+
+    Value blocks and stepped pairs cut it. Stretches that are too short or in which no joint turns are left out.
+
+    Parameters
+    ----------
+    path : Path
+        File that it is in.
+    clip : SkelClip
+    alone : bool
+        Whether it is the only animation of the file.
+        Optional, default: True.
+
+    Returns
+    -------
+    take : Take
+
+    Raises
+    ------
+    ToolError
+        If there is nothing to learn from.
+    """
+    channel = clip.channels.get("rotations")
+    if channel is None or not channel.is_animated:
+        raise ToolError(f"{path}: {clip.path} has no rotations that are sampled in time, so there is nothing to learn.")
+    stretches = _stretches(clip)
+    longest = max(stretch.n_frames for stretch in stretches)
+    if longest < MIN_SAMPLES:
+        between = " between value blocks and steps" if len(stretches) > 1 else ""
+        raise ToolError(
+            f"{path}: {clip.path} has {counted(longest, 'sample')}{between}, too few to learn from; {MIN_SAMPLES} are "
+            "needed."
+        )
+    moving = tuple(stretch for stretch in stretches if stretch.n_frames >= MIN_SAMPLES and turns(stretch))
+    if not moving:
+        raise ToolError(f"{path}: no joint of {clip.path} turns, so there is nothing to learn.")
+    label = path.name if alone else f"{path.name}, {clip.path}"
+    sha256 = hashlib.sha256(path.read_bytes()).hexdigest()
+    return Take(path.name, sha256, clip.path, label, clip.joints, moving)
+
+
+def _stretches(clip: SkelClip) -> list[Animation]:
+    """Cut an animation where samples are blocked or stepped; keep the samples that rotations have."""
+    animation = animation_of(clip)
+    # the same division as in the animation, so that its times are found again exactly
+    times = clip.codes / clip.codes_per_second
+    place = np.searchsorted(times, animation.times)
+    cuts = np.flatnonzero((np.diff(place) > 1) | clip.steps[place[:-1]]) + 1
+    sampled = np.isin(animation.times, clip.channels["rotations"].codes / clip.codes_per_second)
+    frames = np.arange(animation.n_frames)
+    parts = (part[sampled[part]] for part in np.split(frames, cuts))
+    return [animation.at_frames(part) for part in parts if len(part)]
+
+
+def difference(take: Take, first: Take) -> str | None:
+    """Tell how the rig of a take differs from the first's, or None if it has the same joints by name."""
+    own, wanted = set(take.skeleton.joints), set(first.skeleton.joints)
+    if own == wanted:
+        return None
+    if not own & wanted:
+        return f"{take} has no joint in common with {first}"
+    words = []
+    if wanted - own:
+        words.append(f"lacks {len(wanted - own)} of {len(wanted)} joints, such as {min(wanted - own)}")
+    if own - wanted:
+        words.append(f"has {counted(len(own - wanted), 'other')}, such as {min(own - wanted)}")
+    return f"{take} is of another rig than {first}: it {', and '.join(words)}"
+
+
+def aligned(take: Take, joints: Sequence[str]) -> Take:
+    """Put the joints of a take into another order."""
+    place = {joint: i for i, joint in enumerate(take.skeleton.joints)}
+    order = np.array([place[joint] for joint in joints], dtype=np.intp)
+    return replace(take, stretches=tuple(_reordered(stretch, order) for stretch in take.stretches))
+
+
+def _reordered(animation: Animation, order: np.ndarray) -> Animation:
+    old = animation.skeleton
+    rank = np.argsort(order)
+    parents = old.parents[order]
+    skeleton = Skeleton(
+        tuple(old.joints[i] for i in order),
+        np.where(parents >= 0, rank[parents], -1),
+        old.rest_translations[order],
+        old.rest_rotations[order],
+        old.bone_ends[order],
+    )
+    scales = None if animation.scales is None else animation.scales[:, order]
+    return Animation(skeleton, animation.times, animation.rotations[:, order], animation.translations[:, order], scales)

@@ -1,0 +1,183 @@
+"""Many files to learn from: folders are searched, what cannot be read is named, and another rig is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pxr import Sdf
+
+from usd_tools.console.errors import Messages, ToolError
+from usd_tools.files.stages import EXTENSIONS, open_stage, reading, same_file
+from usd_tools.learning.clips import Take, aligned, difference, take_of
+from usd_tools.skel.clip import SkelClip, find_animations, read_clip
+from usd_tools.skel.selection import selected
+from usd_tools.skel.time_codes import left_sparse
+from usd_tools.skel.writer import TOOL
+
+
+@dataclass(frozen=True)
+class Skipped:
+    """A file or an animation that is not learned from, and why."""
+
+    file: str
+    reason: str
+
+
+def files_in(inputs: Sequence[Path], messages: Messages) -> list[Path]:
+    """Find the USD files that are named, and those in folders and in folders within them.
+
+    Of a folder, hidden files are left out, and those that a tool of this package made: their motion is that of the
+    files that they were made from.
+
+    Parameters
+    ----------
+    inputs : sequence of Path
+    messages : Messages
+        Told of files that are left out.
+
+    Returns
+    -------
+    files : list of Path
+        Each once, in the order named; those of a folder in the order of their names.
+
+    Raises
+    ------
+    ToolError
+        If a folder has none.
+    """
+    files: list[Path] = []
+    for path in inputs:
+        found = _files_below(path, messages) if path.is_dir() else [path]
+        if not found:
+            raise ToolError(f"{path} has no USD file to learn from, not even in folders within it.")
+        for file in found:
+            if file in files or same_file(file, files):
+                messages.warn(f"{file} is named twice; it counts once.")
+            else:
+                files.append(file)
+    return files
+
+
+def _files_below(folder: Path, messages: Messages) -> list[Path]:
+    files = []
+    for path in sorted(folder.rglob("*")):
+        is_hidden = any(part.startswith(".") for part in path.relative_to(folder).parts)
+        if is_hidden or not path.is_file() or path.suffix.lower() not in EXTENSIONS:
+            continue
+        if _is_made_by_us(path):
+            messages.warn(f"{path} was made by this package from another file, so it is left out; name it to use it.")
+        else:
+            files.append(path)
+    return files
+
+
+def _is_made_by_us(path: Path) -> bool:
+    try:
+        layer = Sdf.Layer.OpenAsAnonymous(str(path), metadataOnly=True)
+    except Exception:  # whatever is wrong with it is told when it is read
+        return False
+    return layer is not None and TOOL in layer.customLayerData
+
+
+def read_clips(path: Path, prims: Sequence[str], messages: Messages) -> list[SkelClip]:
+    """Read the animations of a file.
+
+    Raises
+    ------
+    ToolError
+        If it cannot be read, has none, or `prims` chooses none.
+    """
+    try:
+        with reading(path):
+            clips = [read_clip(source) for source in selected(path, find_animations(open_stage(path)), prims)]
+    except ToolError as error:
+        raise ToolError(str(error) if str(path) in str(error) else f"{path}: {error}") from error
+    for clip in clips:
+        for note in (*clip.notes, *left_sparse(clip)):
+            messages.warn(note)
+    return clips
+
+
+def take_all(
+    path: Path, clips: Sequence[SkelClip], messages: Messages
+) -> tuple[list[tuple[SkelClip, Take]], list[Skipped]]:
+    """Find what there is to learn from in a file; an animation without is named, and the rest goes on.
+
+    Raises
+    ------
+    ToolError
+        If none of them has anything.
+    """
+    taken, skipped = [], []
+    for clip in clips:
+        try:
+            taken.append((clip, take_of(path, clip, alone=len(clips) == 1)))
+        except ToolError as error:
+            if len(clips) == 1:
+                raise
+            skipped.append(Skipped(path.name, str(error)))
+            messages.warn(f"skipped: {error}")
+    if not taken:
+        raise ToolError(f"{path} has no animation to learn from.")
+    return taken, skipped
+
+
+def gather(
+    files: Sequence[Path],
+    prims: Sequence[str],
+    skip_mismatched: bool,
+    messages: Messages,
+    advance: Callable[[float], None] = lambda amount: None,
+) -> tuple[list[Take], list[Skipped]]:
+    """Collect takes of one rig from files; stages are let go, so that memory holds only the motion.
+
+    Parameters
+    ----------
+    files : sequence of Path
+    prims : sequence of str
+        Chooses animations in every file.
+    skip_mismatched : bool
+        Whether to go on without animations of another rig than the first's.
+    messages : Messages
+        Told of what is skipped.
+    advance : callable
+        Told when another file is done.
+
+    Returns
+    -------
+    takes : list of Take
+        Joints in the order of the first.
+    skipped : list of Skipped
+
+    Raises
+    ------
+    ToolError
+        If there is nothing to learn from, or an animation is of another rig and not to be skipped. If there is only
+        one file, whatever is wrong with it.
+    """
+    takes: list[Take] = []
+    skipped: list[Skipped] = []
+    for path in files:
+        try:
+            taken, lost = take_all(path, read_clips(path, prims, messages), messages)
+        except ToolError as error:
+            if len(files) == 1:
+                raise
+            taken, lost = [], [Skipped(path.name, str(error))]
+            messages.warn(f"skipped: {error}")
+        skipped += lost
+        for _, take in taken:
+            reason = difference(take, takes[0]) if takes else None
+            if reason is None:
+                takes.append(aligned(take, takes[0].skeleton.joints) if takes else take)
+            elif skip_mismatched:
+                skipped.append(Skipped(path.name, f"{reason}."))
+                messages.warn(f"skipped: {reason}.")
+            else:
+                raise ToolError(f"{reason}; leave it out, or add --skip-mismatched.")
+        advance(1.0)
+    if not takes:
+        raise ToolError(f"None of the {len(files)} files can be learned from; the warnings say why.")
+    return takes, skipped

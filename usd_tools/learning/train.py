@@ -1,0 +1,261 @@
+"""One metric, learned from takes of one rig, and what it is worth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from geomstats_anim import SCHEMES, Animation, LearnedMetric, learn_metric, uniform_keyframes
+from geomstats_anim.criteria import rotation_errors
+from geomstats_anim.learning.assessment import Score, assess
+from geomstats_anim.learning.tune.tpe import TuneSettings
+from geomstats_anim.parameters import CurveParameters
+from usd_tools.console.errors import ToolError
+from usd_tools.learning.clips import Take
+from usd_tools.metrics.explain import BY_JOINT, errors_by_joint
+
+PAPERS_RATE = 0.3
+"""Share of samples kept as keys in most of the papers' figures."""
+
+Watch = Callable[[int, float], None]
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """How to learn; the words are those of `learn_metric`.
+
+    Parameters
+    ----------
+    rate : float
+        Share of samples kept as uniform keys.
+    search, purpose, family, invariance, scheme, kind : str
+    weights : str or None
+        "depth" for the papers' weights.
+    seed : int
+    tune : TuneSettings or None
+    """
+
+    rate: float = PAPERS_RATE
+    search: str = "gradient"
+    purpose: str = "reconstruct"
+    family: str = "diagonal"
+    invariance: str = "joint"
+    scheme: str = "geodesic"
+    kind: str = "hyb"
+    weights: str | None = None
+    seed: int = 0
+    tune: TuneSettings | None = None
+
+    def keyframes(self, stretch: Animation) -> np.ndarray:
+        """Frames of a stretch that are kept."""
+        return uniform_keyframes(stretch.n_frames, self.rate)
+
+    def fit(self, stretches: Sequence[Animation], watch: Watch = lambda evaluations, value: None) -> LearnedMetric:
+        """Learn one metric.
+
+        Raises
+        ------
+        ValueError
+            If there is nothing to learn.
+        """
+        return learn_metric(
+            stretches,
+            [self.keyframes(stretch) for stretch in stretches],
+            self.search,
+            self.purpose,
+            self.family,
+            self.invariance,
+            self.scheme,
+            self.kind,
+            self.seed,
+            weights=self.weights,
+            tune=self.tune,
+            progress=watch,
+        )
+
+
+@dataclass(frozen=True)
+class JointError:
+    """Mean rotation error of a joint where its metric was learned, degrees."""
+
+    joint: str
+    learned: float
+    slerp: float
+
+    @property
+    def gain(self) -> float:
+        """Degrees nearer than slerp."""
+        return self.slerp - self.learned
+
+
+@dataclass(frozen=True, eq=False)
+class Lesson:
+    """A metric, and what it is worth.
+
+    Parameters
+    ----------
+    takes : tuple of Take
+    metric : LearnedMetric
+        Its provenance says all that is here, in short.
+    scores : tuple of Score
+        In-sample first.
+    joints : tuple of JointError
+        Those that turn.
+    slerped : int
+        Segments of single joints whose geodesic was not found, so that they are slerped.
+    """
+
+    takes: tuple[Take, ...]
+    metric: LearnedMetric
+    scores: tuple[Score, ...]
+    joints: tuple[JointError, ...]
+    slerped: int
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether nothing came of it: the bi-invariant metric, whose geodesics are slerp, with the usual tension."""
+        metric = self.metric
+        usual = CurveParameters.plain(metric.scheme, len(metric.joints))
+        same_tensions = (metric.tension == usual.tension) & (metric.translation_tension == usual.translation_tension)
+        return bool((metric.parameters.moments == 1.0).all() and same_tensions.all())
+
+    @property
+    def cross_validated(self) -> Score | None:
+        """Score of metrics learned and shrunk likewise on blocks that were left out; None if it is fitted freely."""
+        names = ("cross_validated_score", "cross_validated_slerp_score", "cross_validated_plain_score")
+        if not all(name in self.metric.provenance for name in names):
+            return None
+        return Score("blocks left out", False, *(self.metric.provenance[name] for name in names))
+
+    @property
+    def loses(self) -> bool:
+        """Whether it loses anywhere out of sample to what needs no learning."""
+        return any(score.loses for score in self.scores if not score.in_sample)
+
+
+def teach(takes: Sequence[Take], recipe: Recipe, watch: Watch = lambda evaluations, value: None) -> Lesson:
+    """Learn one metric from takes of one rig, and assess it.
+
+    Parameters
+    ----------
+    takes : sequence of Take
+        The same joints in the same order.
+    recipe : Recipe
+    watch : callable
+        Called with the number of evaluations and the best value so far.
+
+    Returns
+    -------
+    lesson : Lesson
+
+    Raises
+    ------
+    ToolError
+        If nothing can be learned at this rate, or a search cannot run.
+    """
+    stretches = [stretch for take in takes for stretch in take.stretches]
+    _check_rate(takes, stretches, recipe)
+    try:
+        metric = recipe.fit(stretches, watch)
+        scores = _assessed(stretches, recipe, metric)
+    except (ValueError, RuntimeError, ModuleNotFoundError, ConnectionError) as error:
+        raise ToolError(" ".join(str(error).split())) from error
+    joints, slerped = _by_joint(stretches, recipe, metric)
+    provenance = _provenance(takes, recipe, metric, scores, joints)
+    return Lesson(tuple(takes), replace(metric, provenance=provenance), scores, joints, slerped)
+
+
+def _check_rate(takes: Sequence[Take], stretches: Sequence[Animation], recipe: Recipe) -> None:
+    keys = [recipe.keyframes(stretch) for stretch in stretches]
+    n_keys, n_frames = sum(map(len, keys)), sum(stretch.n_frames for stretch in stretches)
+    where = str(takes[0]) if len(takes) == 1 else f"{len(takes)} animations"
+    if n_keys - len(keys) < 2:
+        enough = np.ceil(300.0 / n_frames) / 100.0
+        raise ToolError(
+            f"--rate {recipe.rate:g} keeps {n_keys} of the {n_frames} samples of {where}, which is one segment; say at "
+            f"least {enough:g}."
+        )
+    if n_keys == n_frames:
+        raise ToolError(f"--rate {recipe.rate:g} keeps all {n_frames} samples of {where}; say less, to rebuild some.")
+
+
+def _assessed(stretches: Sequence[Animation], recipe: Recipe, metric: LearnedMetric) -> tuple[Score, ...]:
+    """Scores over all stretches, every frame with the same weight."""
+
+    @cache
+    def of_first_halves() -> LearnedMetric:
+        # With TPE this would take as long again; the gradient finds the same metrics, and better ones.
+        quick = replace(recipe, search="gradient", tune=None)
+        try:
+            return quick.fit([stretch.at_frames(slice(0, stretch.n_frames // 2 + 1)) for stretch in stretches])
+        except ValueError:  # nothing to learn in there
+            return LearnedMetric.plain(metric.joints, metric.scheme)
+
+    found: dict[tuple[str, bool], list[tuple[int, Score]]] = {}
+    for stretch in stretches:
+        for score in assess(stretch, recipe.rate, metric, lambda *_: of_first_halves()):
+            found.setdefault((score.what, score.in_sample), []).append((stretch.n_frames, score))
+    means = []
+    for (what, in_sample), scores in found.items():
+        values = [(score.learned, score.slerp, score.plain) for _, score in scores]
+        mean = np.average(values, axis=0, weights=[frames for frames, _ in scores])
+        means.append(Score(what, in_sample, *mean.tolist()))
+    return tuple(means)
+
+
+def _by_joint(
+    stretches: Sequence[Animation], recipe: Recipe, metric: LearnedMetric
+) -> tuple[tuple[JointError, ...], int]:
+    """Errors of the joints that turn, and the number of segments that are slerped."""
+    errors: dict[str, list[np.ndarray]] = {metric.scheme: [], "slerp": []}
+    slerped = 0
+    for stretch in stretches:
+        keys = stretch.at_frames(recipe.keyframes(stretch))
+        for scheme in errors:
+            curve = SCHEMES[scheme](keys, metric)
+            slerped += len(curve.fallbacks)
+            errors[scheme].append(rotation_errors(curve(stretch.times), stretch))
+    learned, slerp = (np.degrees(np.concatenate(found).mean(axis=0)).round(4) for found in errors.values())
+    joints = (JointError(*row) for row in zip(metric.joints, learned.tolist(), slerp.tolist(), strict=True))
+    return tuple(joint for joint in joints if joint.slerp > 0.0), slerped
+
+
+def _provenance(
+    takes: Sequence[Take],
+    recipe: Recipe,
+    metric: LearnedMetric,
+    scores: Sequence[Score],
+    joints: Sequence[JointError],
+) -> Mapping[str, Any]:
+    """Tell what `learn_metric` says, and where the metric comes from: one file is a word, several are a list."""
+    provenance = dict(metric.provenance)
+    shrinkage = dict(zip(metric.joints, provenance.pop("shrinkage", ()), strict=False))
+    files = list(dict.fromkeys((take.file, take.sha256) for take in takes))
+    names, sums = [file for file, _ in files], [sha256 for _, sha256 in files]
+    unseen = [score for score in scores if not score.in_sample]
+    by_joint = errors_by_joint(
+        [error.joint for error in joints],
+        np.array([error.learned for error in joints]),
+        np.array([error.slerp for error in joints]),
+    )
+    if shrinkage:
+        by_joint["shrinkage"] = [shrinkage[error.joint] for error in joints]
+    return {
+        "source": names[0] if len(names) == 1 else names,
+        "sha256": sums[0] if len(sums) == 1 else sums,
+        "prims": [take.prim for take in takes],
+        "rate": recipe.rate,
+        **({"weights": recipe.weights} if recipe.weights else {}),
+        **provenance,
+        "out_of_sample": {
+            "what": [score.what for score in unseen],
+            "scores": [score.learned for score in unseen],
+            "slerp_scores": [score.slerp for score in unseen],
+            "plain_scores": [score.plain for score in unseen],
+        },
+        BY_JOINT: by_joint,
+    }

@@ -1,0 +1,1 @@
+"""Metrics in USD, and what they mean to an artist."""

@@ -1,0 +1,231 @@
+"""The metric in a USD file: custom attributes on the SkelAnimation, and one line on each Skeleton."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from pxr import Sdf, Usd, Vt
+
+from geomstats_anim import LearnedMetric, MetricParameters
+from geomstats_anim.parameters import FORMAT_VERSION
+from usd_tools.console.errors import ToolError
+from usd_tools.console.tables import counted
+
+NAMESPACE = "geodesicMetric"
+SUMMARY = f"userProperties:{NAMESPACE}"
+"""Blender keeps string attributes of the Skeleton, and drops everything on the SkelAnimation."""
+
+_TYPES = {
+    "joints": Sdf.ValueTypeNames.TokenArray,
+    "alpha": Sdf.ValueTypeNames.DoubleArray,
+    "beta": Sdf.ValueTypeNames.DoubleArray,
+    "tension": Sdf.ValueTypeNames.DoubleArray,
+    "translationTension": Sdf.ValueTypeNames.DoubleArray,
+    "axes": Sdf.ValueTypeNames.Double3Array,
+    "invariance": Sdf.ValueTypeNames.TokenArray,
+    "scheme": Sdf.ValueTypeNames.Token,
+    "version": Sdf.ValueTypeNames.Int,
+}
+SOURCE_CODES = f"{NAMESPACE}:sourceTimeCodes"
+"""Of a sparse animation: where its source had samples."""
+
+_OPTIONAL = ("axes", "translationTension")
+_ENTRIES = "entries"
+"""Entry that names those that count: USD merges the dictionaries of layers, so an older metric's would show through."""
+
+
+def write_metric(spec: Sdf.PrimSpec, metric: LearnedMetric, hide_axes: bool = False) -> None:
+    """Write a metric on a SkelAnimation.
+
+    Parameters
+    ----------
+    spec : Sdf.PrimSpec
+        Of the layer to be written.
+    metric : LearnedMetric
+    hide_axes : bool
+        Whether a weaker layer has axes, which must not show through a diagonal metric.
+        Optional, default: False.
+
+    Raises
+    ------
+    ToolError
+        If an entry of the provenance is of a type that USD cannot hold.
+    """
+    parameters = metric.parameters
+    values = {
+        "joints": Vt.TokenArray(metric.joints),
+        "alpha": Vt.DoubleArray.FromNumpy(parameters.alpha),
+        "beta": Vt.DoubleArray.FromNumpy(parameters.beta),
+        "tension": Vt.DoubleArray.FromNumpy(metric.tension),
+        "translationTension": Vt.DoubleArray.FromNumpy(metric.translation_tension),
+        "invariance": Vt.TokenArray(parameters.invariance),
+        "scheme": metric.scheme,
+        "version": FORMAT_VERSION,
+    }
+    if parameters.axes is not None:
+        values["axes"] = Vt.Vec3dArray.FromNumpy(parameters.axes)
+    elif hide_axes:
+        values["axes"] = Sdf.ValueBlock()
+    for name, value in values.items():
+        _attribute(spec, f"{NAMESPACE}:{name}", _TYPES[name]).default = value
+    entries = {**metric.provenance, "quality": metric.quality}
+    spec.customData = {**dict(spec.customData), NAMESPACE: _to_usd(entries, str(spec.path))}
+
+
+def write_summary(spec: Sdf.PrimSpec, metric: LearnedMetric) -> None:
+    """Write the one-line summary of a metric on a Skeleton."""
+    _attribute(spec, SUMMARY, Sdf.ValueTypeNames.String).default = summary(metric)
+
+
+def summary(metric: LearnedMetric) -> str:
+    """Tell a metric in one line."""
+    parameters = metric.parameters
+    if not metric.joints:
+        return "no joints"
+    sides = [f"{parameters.invariance.count(side)} {side}" for side in ("left", "right")]
+    family = "diagonal" if parameters.axes is None else "spd"
+    words = [metric.scheme, f"{counted(len(metric.joints), 'joint')} ({', '.join(sides)})", family]
+    words += [_range("alpha", parameters.alpha), _range("beta", parameters.beta)]
+    if metric.tension.any():
+        words.append(_range("tension", metric.tension))
+    return ", ".join(words)
+
+
+def _range(name: str, values: np.ndarray) -> str:
+    low, high = float(values.min()), float(values.max())
+    return f"{name} {low:.4g}" if low == high else f"{name} {low:.4g} to {high:.4g}"
+
+
+def read_metric(prim: Usd.Prim) -> LearnedMetric | None:
+    """Read the metric of a SkelAnimation.
+
+    Parameters
+    ----------
+    prim : Usd.Prim
+
+    Returns
+    -------
+    metric : LearnedMetric or None
+        None if there is none.
+
+    Raises
+    ------
+    ToolError
+        If an attribute is missing, has the wrong type or size, or makes no metric.
+    """
+    attributes = {name: prim.GetAttribute(f"{NAMESPACE}:{name}") for name in _TYPES}
+    values: dict[str, Any] = {name: attribute.Get() if attribute else None for name, attribute in attributes.items()}
+    if all(value is None for value in values.values()):
+        return None
+    version = values["version"]
+    if version is not None and version != FORMAT_VERSION:
+        raise ToolError(
+            f"{prim.GetPath()}: {NAMESPACE}:version is {version}, but this program reads {FORMAT_VERSION}; update it."
+        )
+    for name, value in values.items():
+        if value is None and name not in _OPTIONAL:
+            raise ToolError(f"{prim.GetPath()}: {NAMESPACE}:{name} is missing; write the whole metric, or remove it.")
+        if value is not None and attributes[name].GetTypeName() != _TYPES[name]:
+            raise ToolError(
+                f"{prim.GetPath()}: {NAMESPACE}:{name} has type {attributes[name].GetTypeName()}; it must have type "
+                f"{_TYPES[name]}."
+            )
+    n_joints = len(values["joints"])
+    for name in ("alpha", "beta", "tension", "translationTension", "axes", "invariance"):
+        if values[name] is not None and len(values[name]) != n_joints:
+            raise ToolError(
+                f"{prim.GetPath()}: {NAMESPACE}:{name} has {len(values[name])} values for {n_joints} joints."
+            )
+    axes = values["axes"]
+    try:
+        stored = prim.GetCustomDataByKey(NAMESPACE)
+        entries = _from_usd(stored if isinstance(stored, Mapping) else {})
+        quality = str(entries.pop("quality", ""))
+        parameters = MetricParameters(
+            np.array(values["alpha"]),
+            np.array(values["beta"]),
+            None if axes is None else np.array(axes),
+            tuple(values["invariance"]),
+        )
+        return LearnedMetric(
+            tuple(values["joints"]),
+            parameters,
+            np.array(values["tension"]),
+            str(values["scheme"]),
+            quality,
+            entries,
+            values["translationTension"] and np.array(values["translationTension"]),
+        )
+    except ValueError as error:
+        raise ToolError(f"{prim.GetPath()}: {NAMESPACE} makes no metric: {error}") from error
+
+
+def write_source_codes(spec: Sdf.PrimSpec, codes: np.ndarray) -> None:
+    """Write on a SkelAnimation the time codes, shape=[F], at which its source had samples."""
+    _attribute(spec, SOURCE_CODES, Sdf.ValueTypeNames.DoubleArray).default = Vt.DoubleArray.FromNumpy(codes)
+
+
+def read_source_codes(prim: Usd.Prim) -> np.ndarray | None:
+    """Read the time codes at which the source of a sparse SkelAnimation had samples; None if it is not sparse.
+
+    Raises
+    ------
+    ToolError
+        If they are not increasing numbers.
+    """
+    value = prim.GetAttribute(SOURCE_CODES).Get()
+    if value is None:
+        return None
+    codes = np.array(value, dtype=np.float64) if isinstance(value, Vt.DoubleArray) else np.zeros(0)
+    if not (len(codes) and np.isfinite(codes).all() and (np.diff(codes) > 0.0).all()):
+        raise ToolError(f"{prim.GetPath()}: {SOURCE_CODES} must hold increasing numbers (double[]); repair the file.")
+    return codes
+
+
+def _attribute(spec: Sdf.PrimSpec, name: str, type_name: Sdf.ValueTypeName) -> Sdf.AttributeSpec:
+    found = spec.attributes.get(name)
+    if found is not None:
+        return found
+    attribute = Sdf.AttributeSpec(spec, name, type_name)
+    attribute.custom = True
+    return attribute
+
+
+def _to_usd(entries: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """Turn plain values into such as USD's dictionaries hold: lists become arrays of one type."""
+    converted: dict[str, Any] = {_ENTRIES: Vt.StringArray(list(entries))}
+    for key, value in entries.items():
+        if isinstance(value, Mapping):
+            converted[key] = _to_usd(value, where)
+        elif isinstance(value, list | tuple) and all(isinstance(item, str) for item in value):
+            converted[key] = Vt.StringArray(list(value))
+        elif isinstance(value, list | tuple) and all(type(item) is int for item in value):
+            converted[key] = Vt.Int64Array(list(value))
+        elif isinstance(value, list | tuple) and all(type(item) in (int, float) for item in value):
+            converted[key] = Vt.DoubleArray([float(item) for item in value])
+        elif isinstance(value, str | bool | int | float):
+            converted[key] = value
+        else:
+            raise ToolError(
+                f"{where}: the metric's provenance has {key} = {value!r}, which USD cannot hold; remove it."
+            )
+    return converted
+
+
+def _from_usd(entries: Mapping[str, Any]) -> dict[str, Any]:
+    """Turn what `_to_usd` made into plain values again."""
+    converted: dict[str, Any] = {}
+    names = entries.get(_ENTRIES)
+    for key in names if isinstance(names, Vt.StringArray) else entries:
+        value = entries.get(key)
+        if isinstance(value, Mapping):
+            converted[key] = _from_usd(value)
+        elif isinstance(value, str | bool | int | float):
+            converted[key] = value
+        elif isinstance(value, Vt.StringArray | Vt.Int64Array | Vt.DoubleArray):
+            converted[key] = list(value)
+        elif key in entries:
+            raise ValueError(f"{key} of its customData is of a type that no metric has; remove it.")
+    return converted

@@ -1,0 +1,1 @@
+"""Skeletal animation in USD: found, read, resampled, written."""

@@ -1,0 +1,218 @@
+"""Samples of one attribute of a SkelAnimation, bit for bit as they are in the file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from pxr import Sdf, Usd, Vt
+
+from usd_tools.console.errors import ToolError
+
+STEP_SECONDS = 1e-3
+"""Two samples nearer than this are a step: nothing is recorded at more than 1000 a second, but stepped keys are
+authored as a sample just before and one at the time of the change."""
+
+STEP_SHARE = 0.1
+"""A step is also shorter than this share of the pause before or after it."""
+
+VALUE_CLIPS = "value clips"
+"""Source of samples that USD takes from other files one after the other."""
+
+
+@dataclass(frozen=True)
+class ChannelType:
+    """How an attribute holds its values: USD's type, numbers an element, what may be missing in NumPy."""
+
+    value_type: Sdf.ValueTypeName
+    array: Any
+    width: int
+    dtype: type
+
+    def to_numpy(self, value: Any) -> np.ndarray:
+        """Array, shape=[N, width], of a value."""
+        return np.array(value, dtype=self.dtype).reshape(-1, self.width)
+
+    def to_usd(self, values: np.ndarray) -> Any:
+        """USD's array of values, shape=[N, width]."""
+        return self.array.FromNumpy(values[:, 0] if self.width == 1 else values)
+
+
+CHANNELS = {
+    "rotations": ChannelType(Sdf.ValueTypeNames.QuatfArray, Vt.QuatfArray, 4, np.float32),
+    "translations": ChannelType(Sdf.ValueTypeNames.Float3Array, Vt.Vec3fArray, 3, np.float32),
+    "scales": ChannelType(Sdf.ValueTypeNames.Half3Array, Vt.Vec3hArray, 3, np.float16),
+    "blendShapeWeights": ChannelType(Sdf.ValueTypeNames.FloatArray, Vt.FloatArray, 1, np.float32),
+}
+"""The attributes of a SkelAnimation that move. NumPy sees quaternions as (x, y, z, w)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """Samples of one attribute.
+
+    Parameters
+    ----------
+    name : str
+        A key of `CHANNELS`.
+    codes : array-like, shape=[K]
+        Time codes of the stage, increasing; none if there is only a default value.
+    values : array-like, shape=[K, N, C]
+        In the file's own precision. Where a sample is blocked: zeros.
+    blocked : array-like of bool, shape=[K]
+        Which samples are value blocks.
+    default : array-like, shape=[N, C]
+        Value that holds where there are no samples: the earliest sample, else the authored default.
+    source : str
+        Where the samples come from: the name of a layer, `VALUE_CLIPS`, or "" if there are none.
+    """
+
+    name: str
+    codes: np.ndarray
+    values: np.ndarray
+    blocked: np.ndarray
+    default: np.ndarray
+    source: str
+
+    @property
+    def spans(self) -> list[slice]:
+        """Stretches of samples without a value block, of at least two samples each."""
+        edges = np.diff(np.concatenate([[1], self.blocked.astype(np.intp), [1]]))
+        starts, stops = np.flatnonzero(edges == -1), np.flatnonzero(edges == 1)
+        return [slice(int(a), int(b)) for a, b in zip(starts, stops, strict=True) if b - a > 1]
+
+    def stretches(self, codes_per_second: float) -> list[slice]:
+        """Spans, cut where two samples are a step: a curve must not take the jump for motion."""
+        stretches = []
+        for span in self.spans:
+            cuts = span.start + 1 + np.flatnonzero(step_pairs(self.codes[span], codes_per_second))
+            edges = [span.start, *cuts.tolist(), span.stop]
+            stretches += [slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True) if b - a > 1]
+        return stretches
+
+    @property
+    def is_animated(self) -> bool:
+        """Whether there is anything to interpolate."""
+        return bool(self.spans)
+
+    @cached_property
+    def holds(self) -> np.ndarray:
+        """Whether each element stays as it is from one sample to the next, bit for bit, shape=[K - 1, N].
+
+        A quaternion and its negative are the same rotation.
+        """
+        left, right = self.values[:-1], self.values[1:]
+        same = (left == right).all(axis=-1)
+        return same | (left == -right).all(axis=-1) if self.name == "rotations" else same
+
+
+def write_samples(spec: Sdf.AttributeSpec, channel: Channel, stretch: float = 1.0) -> None:
+    """Write the samples of a channel, and no others, to an attribute; time codes are multiplied by a number."""
+    kind, block = CHANNELS[channel.name], Sdf.ValueBlock()
+    spec.ClearInfo("timeSamples")
+    layer, path, codes = spec.layer, spec.path, (channel.codes * stretch).tolist()
+    with Sdf.ChangeBlock():
+        for code, values, is_blocked in zip(codes, channel.values, channel.blocked, strict=True):
+            layer.SetTimeSample(path, code, block if is_blocked else kind.to_usd(values))
+
+
+def read_channel(prim: Usd.Prim, name: str, size: int) -> Channel | None:
+    """Read an attribute of a SkelAnimation.
+
+    Parameters
+    ----------
+    prim : Usd.Prim
+    name : str
+        A key of `CHANNELS`.
+    size : int
+        Elements that each sample must have, N.
+
+    Returns
+    -------
+    channel : Channel or None
+        None if it has no value at all.
+
+    Raises
+    ------
+    ToolError
+        If a value has another size, or a number in it is not finite.
+    """
+    kind, attribute = CHANNELS[name], prim.GetAttribute(name)
+    try:
+        codes, raw, source = _samples(attribute)
+    except TypeError as error:  # of a damaged file OpenUSD may give what Python has no type for
+        raise ToolError(
+            f"{prim.GetPath()}: {name} has a value that is none of an attribute; repair the file."
+        ) from error
+    values: np.ndarray = np.zeros((len(codes), size, kind.width), dtype=kind.dtype)
+    blocked = np.zeros(len(codes), dtype=bool)
+    for k, value in enumerate(raw):
+        if value is None or isinstance(value, Sdf.ValueBlock):
+            blocked[k] = True
+        else:
+            values[k] = _checked(prim, name, size, value, codes[k])
+    live = np.flatnonzero(~blocked)
+    if len(codes):
+        default = values[live[0]] if len(live) else None
+    else:
+        value = attribute.Get() if attribute else None
+        default = None if value is None else _checked(prim, name, size, value, None)
+    if default is None:
+        return None
+    where = np.argwhere(~np.isfinite(values))
+    if len(where) or not np.isfinite(default).all():
+        at = f" at time code {codes[where[0][0]]:g}" if len(where) else ""
+        raise ToolError(f"{prim.GetPath()}: {name} has a value that is not a finite number{at}; repair the file.")
+    return Channel(name, np.array(codes, dtype=np.float64), values, blocked, default, source)
+
+
+def _samples(attribute: Usd.Attribute) -> tuple[list[float], list[Any], str]:
+    """Time codes and values of an attribute's samples, and where they come from."""
+    codes = attribute.GetTimeSamples() if attribute else []
+    if not codes:
+        return [], [], ""
+    if attribute.GetResolveInfo(codes[0]).GetSource() == Usd.ResolveInfoSourceValueClips:
+        return codes, [attribute.Get(code) for code in codes], VALUE_CLIPS
+    # Asking the layer, not the stage: a layer offset rounds time codes, and a sample that is missed by a rounding
+    # error would be interpolated instead of being read bit for bit.
+    for spec, offset in attribute.GetPropertyStackWithLayerOffsets(Usd.TimeCode.Default()):
+        own = spec.layer.ListTimeSamplesForPath(spec.path)
+        if own:
+            pairs = [(offset * code, spec.layer.QueryTimeSample(spec.path, code)) for code in own]
+            pairs.sort(key=lambda pair: pair[0])
+            return [code for code, _ in pairs], [value for _, value in pairs], spec.layer.GetDisplayName()
+    raise ToolError(f"{attribute.GetPath()}: USD lists samples, but no layer has them; flatten the file first.")
+
+
+def _checked(prim: Usd.Prim, name: str, size: int, value: Any, code: float | None) -> np.ndarray:
+    kind = CHANNELS[name]
+    at = "" if code is None else f" at time code {code:g}"
+    if not isinstance(value, kind.array):
+        raise ToolError(f"{prim.GetPath()}: {name}{at} is not of type {kind.value_type}; repair the file.")
+    array = kind.to_numpy(value)
+    if len(array) != size:
+        of_what = "blendShapes" if name == "blendShapeWeights" else "joints"
+        raise ToolError(f"{prim.GetPath()}: {name}{at} has {len(array)} values for {size} {of_what}; repair the file.")
+    return array
+
+
+def step_pairs(codes: np.ndarray, codes_per_second: float) -> np.ndarray:
+    """Which gaps between samples are steps: too short to be motion.
+
+    Parameters
+    ----------
+    codes : array-like, shape=[K]
+    codes_per_second : float
+
+    Returns
+    -------
+    is_step : array-like of bool, shape=[K - 1]
+    """
+    gaps = np.diff(codes)
+    if len(gaps) < 2:
+        return np.zeros(len(gaps), dtype=bool)
+    padded = np.concatenate([[0.0], gaps, [0.0]])
+    pause = np.maximum(padded[:-2], padded[2:])
+    return (gaps < STEP_SECONDS * codes_per_second) & (gaps < STEP_SHARE * pause)

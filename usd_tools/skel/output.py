@@ -1,0 +1,210 @@
+"""Where a command's result goes: a layer over the source, one flattened file, or the source itself."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pxr import Usd
+
+from usd_tools.console.errors import Messages, ToolError
+from usd_tools.console.tables import counted
+from usd_tools.files.openusd_gaps import lost_by_flattening
+from usd_tools.files.stages import check_output, check_usd_output, same_file
+from usd_tools.skel.clip import AnimationSource
+from usd_tools.skel.frame_rates import USUAL
+from usd_tools.skel.writer import OverrideLayer, save, save_copy, save_in_place
+
+_A_FEW = 5
+"""Variant sets that are named; a crowd has more."""
+
+
+def add_options(parse: argparse.ArgumentParser) -> None:
+    """Add the options that say how a USD file is written."""
+    parse.add_argument(
+        "-f",
+        "--flatten",
+        action="store_true",
+        help="write one file that does not need the source, but for textures, which stay where they are",
+    )
+    add_format(parse)
+    parse.add_argument("--in-place", action="store_true", help="change IN itself")
+
+
+def add_format(parse: argparse.ArgumentParser) -> None:
+    """Add the option for the format of a name that does not tell it."""
+    parse.add_argument("--usdFormat", choices=("usda", "usdc"), help="for an OUT that ends in .usd; default: usdc")
+
+
+def written(path: Path, rate: float) -> str:
+    """Tell that a file is written, and what whoever plays it in Blender has to know."""
+    return (
+        f"{path} is written: {counted(rate, 'time code')} a second. Blender does not take the rate from the file: set "
+        f"the scene to {counted(rate, 'frame')} a second there."
+    )
+
+
+def better_rate(codes: np.ndarray, rate: float, frames_per_second: float | None) -> str:
+    """Advise who steps through whole frames where samples are between them; "" where they are not, or nothing helps.
+
+    Parameters
+    ----------
+    codes : array-like, shape=[F]
+        Time codes of samples, increasing.
+    rate : float
+        Time codes a second.
+    frames_per_second : float or None
+        What the stage says.
+    """
+    if len(codes) < 2 or _are_whole(codes):
+        return ""
+    seconds = codes / rate
+    authored = [] if frames_per_second is None else [frames_per_second]
+    sampled = 1.0 / max(float(np.median(np.diff(seconds))), 1e-6)
+    nearest = round(sampled)
+    sampled = float(nearest) if abs(sampled - nearest) < 1e-4 * sampled else float(f"{sampled:g}")
+    fitting = [each for each in (*authored, sampled, *map(float, USUAL)) if _are_whole(seconds * each)]
+    better = next((each for each in (*fitting, *authored) if each != rate), None)
+    if better is None:
+        return ""
+    return (
+        f"Samples are between whole time codes; for programs that step through whole frames write it with --fps "
+        f"{better:g} --retime, and set the scene to {better:g}."
+    )
+
+
+def _are_whole(frames: np.ndarray) -> bool:
+    """Whether numbers are whole, up to single precision and the digits in which a rate is printed."""
+    return bool(np.abs(frames - np.round(frames)).max() < 1e-2)
+
+
+@dataclass(frozen=True)
+class Output:
+    """Where the result goes.
+
+    Parameters
+    ----------
+    source : Path
+        File that is read.
+    out : Path or None
+        File to write.
+    in_place : bool
+        Whether to change the source.
+    flatten : bool
+    usd_format : str or None
+    report : Path or None
+        File for what was done.
+    copy : bool
+        Whether to write the source's own layer, changed, instead of a layer over it.
+        Optional, default: False.
+    """
+
+    source: Path
+    out: Path | None
+    in_place: bool
+    flatten: bool
+    usd_format: str | None
+    report: Path | None
+    copy: bool = False
+
+    @classmethod
+    def of(cls, args: argparse.Namespace, source: Path) -> Output:
+        """Take it from the command line."""
+        return cls(source, args.out, args.in_place, args.flatten, args.usdFormat, args.report)
+
+    @property
+    def path(self) -> Path:
+        """File that is written."""
+        return self.source if self.in_place or self.out is None else self.out
+
+    def check(self) -> None:
+        """Check the names, before any work is done.
+
+        Raises
+        ------
+        ToolError
+            If one of them cannot be written, or is another's.
+        """
+        if self.out is not None:
+            check_usd_output(self.out, self.usd_format)
+            if same_file(self.out, [self.source]) and not self.in_place:
+                raise ToolError(f"--out {self.out} is the input itself; choose another name, or add --in-place.")
+            if self.in_place and not same_file(self.out, [self.source]):
+                raise ToolError(f"--in-place changes {self.source}, but --out is {self.out}; leave one of them out.")
+        if self.in_place:
+            if self.source.suffix == ".usdz":
+                raise ToolError(
+                    f"{self.source} is a package and cannot be changed in place; name another file with --out."
+                )
+            check_output(self.source, "--in-place")
+        check_report(self.report, self.source, self.path)
+
+    def check_layers(self, stage: Usd.Stage) -> None:
+        """Refuse to write over a file that the source needs."""
+        needed = [layer.realPath for layer in stage.GetUsedLayers() if layer != stage.GetRootLayer()]
+        for argument, path in (("--out", self.out), ("--report", self.report)):
+            if path is not None and same_file(path, needed):
+                raise ToolError(f"{argument} {path} is a file that {self.source} needs; choose another name.")
+
+    def without_source(self, sources: Sequence[AnimationSource]) -> Output:
+        """Have the result hold what it needs of some animations, so that the source's samples can go.
+
+        If they are in the source's own layer, a copy of it is changed, which keeps all composition. Otherwise the
+        result is flattened.
+
+        Raises
+        ------
+        ToolError
+            If the source is to be changed in place, but they are in other files.
+        """
+        if all(_is_in_root_layer(source) for source in sources) and self.path.suffix != ".usdz":
+            return replace(self, copy=True)
+        if self.in_place and not self.flatten:
+            raise ToolError(
+                f"--in-place: the samples are in files that {self.source} needs; name another file with --out."
+            )
+        return replace(self, flatten=True)
+
+    def layer(
+        self,
+        stage: Usd.Stage,
+        tool: str,
+        settings: Mapping[str, Any],
+        messages: Messages,
+        codes_per_second: float | None = None,
+    ) -> OverrideLayer:
+        """Begin the layer that is to be written, see `OverrideLayer`; warn of what flattening will take from it."""
+        fixed = lost_by_flattening(stage) if self.flatten else []
+        if fixed:
+            more = f" and {len(fixed) - _A_FEW} more" if len(fixed) > _A_FEW else ""
+            messages.warn(f"flattening fixes variant sets: {', '.join(fixed[:_A_FEW])}{more}.")
+        base = stage.GetRootLayer() if (self.in_place or self.copy) and not self.flatten else None
+        return OverrideLayer(stage, tool, settings, codes_per_second, base)
+
+    def save(self, layer: OverrideLayer) -> None:
+        """Write the layer."""
+        if self.in_place and not self.flatten:
+            save_in_place(layer, self.source.resolve())
+        elif self.copy and not self.flatten:
+            save_copy(layer, self.source, self.path, self.usd_format)
+        else:
+            save(layer, self.source, self.path, self.usd_format, self.flatten)
+
+
+def _is_in_root_layer(source: AnimationSource) -> bool:
+    """Whether all that is said of an animation is said in the layer that was opened."""
+    layers = {spec.layer for spec in source.prim.GetPrimStack()}
+    root = source.stage.GetRootLayer()
+    return layers == {root} and not source.prim.IsInstanceProxy() and not root.GetFileFormat().IsPackage()
+
+
+def check_report(report: Path | None, *others: Path) -> None:
+    """Check the name of a report: a file that can be written, and none of the others."""
+    if report is not None:
+        check_output(report, "--report")
+        if same_file(report, others) or report.resolve() in [other.resolve() for other in others]:
+            raise ToolError(f"--report {report} is the input or the output; choose another name.")

@@ -1,0 +1,255 @@
+"""Where new samples go, and what is in them: keys bit for bit, in-betweens from a scheme of `geomstats_anim`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
+
+import numpy as np
+
+from geomstats_anim import SCHEMES, Animation, LearnedMetric
+from geomstats_anim.interpolation.curves import Curve, Fallback
+from usd_tools.console.errors import ToolError
+from usd_tools.skel.channels import Channel
+from usd_tools.skel.clip import JOINT_CHANNELS, SkelClip
+
+CHUNK = 1 << 18
+"""Rotations evaluated at once: enough to keep NumPy busy, few enough to need little memory."""
+
+SNAP = 1e-6
+"""A new sample nearer to a source sample than this share of the spacing is that sample."""
+
+
+def subdivided(clip: SkelClip, factor: int) -> np.ndarray:
+    """Time codes of the samples of a clip, with every gap that is not a step cut into equal parts.
+
+    Parameters
+    ----------
+    clip : SkelClip
+    factor : int
+        Parts.
+
+    Returns
+    -------
+    codes : array-like, shape=[F]
+    """
+    starts, gaps = clip.codes[:-1][~clip.steps], np.diff(clip.codes)[~clip.steps]
+    parts = np.arange(1, factor) / factor
+    return np.union1d(clip.codes, (starts[:, None] + gaps[:, None] * parts).ravel())
+
+
+def with_codes(clip: SkelClip, codes: np.ndarray, spacing: float | None = None) -> np.ndarray:
+    """Time codes of the samples of a clip, and others that lie between them.
+
+    Parameters
+    ----------
+    clip : SkelClip
+    codes : array-like, shape=[F]
+        Those outside the range of the clip, or within a step, are left out.
+    spacing : float
+        Usual distance of the codes.
+        Optional, default: that of the clip's samples or of the codes, whichever is less.
+
+    Returns
+    -------
+    codes : array-like, shape=[F']
+    """
+    keys = clip.codes
+    if spacing is None:
+        gaps = [np.diff(some) for some in (keys, np.unique(codes)) if len(some) > 1]
+        spacing = min((float(np.median(each)) for each in gaps if len(each)), default=0.0)
+    codes = np.unique(codes[(codes > keys[0]) & (codes < keys[-1])])
+    segment = np.searchsorted(keys, codes, side="right") - 1
+    far = np.minimum(codes - keys[segment], keys[segment + 1] - codes) > SNAP * spacing
+    return np.union1d(keys, codes[far & ~clip.steps[segment]])
+
+
+def at_rate(clip: SkelClip, rate: float) -> np.ndarray:
+    """Time codes of the samples of a clip, and others at a steady rate: the whole frames of that rate.
+
+    Parameters
+    ----------
+    clip : SkelClip
+    rate : float
+        Samples a second.
+
+    Returns
+    -------
+    codes : array-like, shape=[F]
+    """
+    spacing = clip.codes_per_second / rate
+    frames = np.arange(np.ceil(clip.codes[0] / spacing), np.floor(clip.codes[-1] / spacing) + 1.0)
+    return with_codes(clip, frames * spacing, spacing)
+
+
+@dataclass(frozen=True, eq=False)
+class Resampled:
+    """A clip at other time codes.
+
+    Parameters
+    ----------
+    channels : mapping of str to Channel
+        The animated ones.
+    fallbacks : tuple of Fallback
+        Segments that are slerped because their geodesic was not found.
+    """
+
+    channels: Mapping[str, Channel]
+    fallbacks: tuple[Fallback, ...]
+
+
+def resample(
+    clip: SkelClip,
+    codes: np.ndarray,
+    scheme: str,
+    metric: LearnedMetric | None = None,
+    advance: Callable[[float], None] = lambda share: None,
+) -> Resampled:
+    """Interpolate a clip.
+
+    Every channel keeps its own samples bit for bit, whatever samples other channels have. An element that is the same
+    in two neighbouring samples stays the same between them. Value blocks stay where they are, and nothing is written
+    into them.
+
+    Parameters
+    ----------
+    clip : SkelClip
+    codes : array-like, shape=[F]
+        Increasing, all samples of the clip among them.
+    scheme : str
+        A name in `SCHEMES`. Blend shape weights are always interpolated linearly.
+    metric : LearnedMetric
+        Joints of the skeleton of which it knows nothing get the identity.
+        Optional, default: the bi-invariant metric.
+    advance : callable
+        Told the share of the work done since it was called last.
+        Optional, default: nobody is told.
+
+    Returns
+    -------
+    resampled : Resampled
+
+    Raises
+    ------
+    ToolError
+        If numbers are beyond what can be computed with.
+    """
+    if metric is not None:
+        metric, _ = metric.for_joints(clip.skeleton.joints)
+    animated = {name: channel for name, channel in clip.channels.items() if channel.is_animated}
+    filled = {name: _held(channel, codes) for name, channel in animated.items()}
+    fallbacks: list[Fallback] = []
+    n_spans = sum(len(channel.stretches(clip.codes_per_second)) for channel in animated.values())
+    for names in _sampled_together(animated):
+        for span in animated[names[0]].stretches(clip.codes_per_second):
+            if names == ("blendShapeWeights",):
+                _fill_linearly(animated[names[0]], span, filled[names[0]])
+                advance(1.0 / n_spans)
+                continue
+            try:
+                curve = SCHEMES[scheme](clip.keys(names, span), metric)
+                fallbacks += curve.fallbacks
+                for share in _fill(clip, names, span, curve, filled):
+                    advance(share * len(names) / n_spans)
+            except ValueError as error:
+                raise ToolError(f"{clip.path} cannot be interpolated: {error}") from error
+    return Resampled(filled, tuple(fallbacks))
+
+
+def animation_of(clip: SkelClip) -> Animation:
+    """Motion of a clip as one animation of its whole skeleton.
+
+    Where channels are sampled at different times, they are read at all of them, as USD shows them. Stretches in which
+    a channel is blocked are left out.
+
+    Parameters
+    ----------
+    clip : SkelClip
+
+    Returns
+    -------
+    animation : Animation
+    """
+    animated = {name: channel for name, channel in clip.channels.items() if channel.is_animated}
+    same = all(np.array_equal(channel.codes, clip.codes) for channel in animated.values())
+    aligned = animated if same else resample(clip, clip.codes, "slerp").channels
+    live = [channel.codes[~channel.blocked] for channel in aligned.values()]
+    codes = reduce(np.intersect1d, live)
+    channels = {name: _at(channel, codes) for name, channel in aligned.items()}
+    return replace(clip, channels={**clip.channels, **channels}).keys(tuple(channels), slice(None))
+
+
+def _at(channel: Channel, codes: np.ndarray) -> Channel:
+    """Keep the samples at some of a channel's own time codes."""
+    index = np.searchsorted(channel.codes, codes)
+    return replace(channel, codes=codes, values=channel.values[index], blocked=channel.blocked[index])
+
+
+def _held(channel: Channel, codes: np.ndarray) -> Channel:
+    """Hold every sample of a channel until the next, and the first one before; value blocks block, and stay alone."""
+    last = np.maximum(np.searchsorted(channel.codes, codes, side="right") - 1, 0)
+    kept = ~channel.blocked[last] | np.isin(codes, channel.codes)
+    last = last[kept]
+    return replace(channel, codes=codes[kept], values=channel.values[last], blocked=channel.blocked[last])
+
+
+def _sampled_together(channels: Mapping[str, Channel]) -> list[tuple[str, ...]]:
+    """Group the channels of joints that have the same samples, so that one curve serves all of them."""
+    groups: dict[tuple[object, ...], list[str]] = {}
+    for name, channel in channels.items():
+        groups.setdefault((channel.codes.tobytes(), channel.blocked.tobytes(), name in JOINT_CHANNELS), []).append(name)
+    return [tuple(names) for names in groups.values()]
+
+
+def _fill(
+    clip: SkelClip, names: Sequence[str], span: slice, curve: Curve, filled: Mapping[str, Channel]
+) -> Iterator[float]:
+    """Put in-betweens of a span into arrays that hold the sample before; yield the share done after each chunk."""
+    keys = clip.channels[names[0]].codes[span]
+    codes = filled[names[0]].codes
+    first, stop = np.searchsorted(codes, keys[[0, -1]])
+    for a, b in _chunks(np.searchsorted(codes, keys), max(1, CHUNK // max(1, clip.skeleton.n_joints))):
+        segment = np.searchsorted(keys, codes[a:b], side="right") - 1
+        between = codes[a:b] > keys[segment]
+        dense = curve(codes[a:b] / clip.codes_per_second)
+        for name in names:
+            source = clip.channels[name]
+            left = source.values[span][segment]
+            values = _from_metric_units(clip, name, dense)
+            if name == "rotations":
+                # A quaternion and its negative are one rotation, and USD interpolates the shorter way whatever the
+                # signs, so signs are free in USD. Blender interpolates components: between a sample and its negated
+                # neighbour it passes through zero. Samples keep their signs, so where the source flips, one gap must;
+                # in-betweens continue from the left, which leaves it the last and short one.
+                at_key = np.searchsorted(codes[a:b], keys[segment])
+                dots = np.einsum("fnc,fnc->fn", values[at_key], left.astype(np.float64))
+                values = values * np.where(dots < 0.0, -1.0, 1.0)[..., None]
+            moves = between[:, None] & ~source.holds[span.start : span.stop - 1][segment]
+            filled[name].values[a:b][moves] = values[moves]
+        yield (b - a) / (stop - first)
+
+
+def _chunks(keys: np.ndarray, size: int) -> Iterator[tuple[int, int]]:
+    """Cut frames at keys, whose places are given, into chunks of about a size."""
+    start = 0
+    while start < len(keys) - 1:
+        stop = max(start + 1, int(np.searchsorted(keys, keys[start] + size, side="right")) - 1)
+        yield int(keys[start]), int(keys[stop])
+        start = stop
+
+
+def _from_metric_units(clip: SkelClip, name: str, dense: Animation) -> np.ndarray:
+    """Values of a channel in the file's units and its order of joints, shape=[F, N, C], float64."""
+    values = getattr(dense, name)[:, clip.columns]
+    return values / clip.world_scale if name == "translations" else values
+
+
+def _fill_linearly(source: Channel, span: slice, filled: Channel) -> None:
+    """Put linear in-betweens of a span into an array that holds the sample before."""
+    keys, values = source.codes[span], source.values[span].astype(np.float64)
+    inside = (filled.codes > keys[0]) & (filled.codes < keys[-1]) & ~np.isin(filled.codes, keys)
+    codes = filled.codes[inside]
+    segment = np.searchsorted(keys, codes, side="right") - 1
+    weight = ((codes - keys[segment]) / np.diff(keys)[segment])[:, None, None]
+    filled.values[inside] = (1.0 - weight) * values[segment] + weight * values[segment + 1]

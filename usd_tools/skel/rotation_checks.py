@@ -1,0 +1,94 @@
+"""How far joints turn from one sample to the next, and what else in a file makes interpolation doubtful."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from geomstats_anim import rotations as quat
+from usd_tools.skel.channels import Channel, step_pairs
+from usd_tools.skel.clip import SkelClip
+
+WIDE_DEGREES = 120.0
+"""A larger turn in one step is doubtful: beyond 180 degrees a file cannot tell which way round it went."""
+
+UNIT_TOLERANCE = 1e-3
+"""How far from 1 the norm of a quaternion may be before it is counted as not of unit length."""
+
+
+@dataclass(frozen=True)
+class RotationStep:
+    """Turn of a joint from one sample to the next.
+
+    Parameters
+    ----------
+    joint : str
+    start, end : float
+        Time codes.
+    degrees : float
+    """
+
+    joint: str
+    start: float
+    end: float
+    degrees: float
+
+    def __str__(self) -> str:
+        """Tell it in words."""
+        return f"joint {self.joint} turns {self.degrees:.1f} degrees from time code {self.start:g} to {self.end:g}"
+
+
+def rotation_steps(clip: SkelClip) -> np.ndarray:
+    """Measure how far every joint turns in every step.
+
+    Parameters
+    ----------
+    clip : SkelClip
+
+    Returns
+    -------
+    degrees : array-like, shape=[K - 1, N]
+        Zero where a sample is blocked and in stepped pairs, which are meant to jump; empty if no rotations are
+        sampled.
+    """
+    channel = clip.channels.get("rotations")
+    if channel is None or not channel.is_animated:
+        return np.zeros((0, len(clip.joints)))
+    values = channel.values.astype(np.float64)
+    norm = np.linalg.norm(values, axis=-1, keepdims=True)
+    values = np.where(norm > 0.0, values / np.where(norm > 0.0, norm, 1.0), quat.IDENTITY)
+    degrees = np.degrees(quat.distance(values[:-1], values[1:]))
+    jumps = step_pairs(channel.codes, clip.codes_per_second) | channel.blocked[:-1] | channel.blocked[1:]
+    degrees[jumps] = 0.0
+    return degrees
+
+
+def largest_step(clip: SkelClip, degrees: np.ndarray) -> RotationStep | None:
+    """Find the largest turn among `rotation_steps`; None if there are none."""
+    if not degrees.size:
+        return None
+    k, joint = np.unravel_index(np.argmax(degrees), degrees.shape)
+    return _step(clip, degrees, int(k), int(joint))
+
+
+def wide_steps(clip: SkelClip, degrees: np.ndarray) -> list[RotationStep]:
+    """Find turns of more than `WIDE_DEGREES` among `rotation_steps`, in order of time."""
+    return [_step(clip, degrees, int(k), int(joint)) for k, joint in np.argwhere(degrees > WIDE_DEGREES)]
+
+
+def _step(clip: SkelClip, degrees: np.ndarray, k: int, joint: int) -> RotationStep:
+    codes = clip.channels["rotations"].codes
+    return RotationStep(clip.joints[joint], float(codes[k]), float(codes[k + 1]), float(degrees[k, joint]))
+
+
+def count_sign_flips(channel: Channel) -> int:
+    """Count neighbouring quaternions in opposite half-spaces: harmless in USD, not in editors that use components."""
+    dots = np.einsum("kni,kni->kn", channel.values[:-1].astype(np.float64), channel.values[1:])
+    return int((dots < 0.0).sum())
+
+
+def count_not_unit(channel: Channel) -> int:
+    """Count quaternions that are not of unit length."""
+    norm = np.linalg.norm(channel.values[~channel.blocked].astype(np.float64), axis=-1)
+    return int((np.abs(norm - 1.0) > UNIT_TOLERANCE).sum())

@@ -1,0 +1,321 @@
+"""From resampled clips to a USD file: an override layer over the source, or one flattened file."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pxr import Ar, Sdf, Tf, Usd, UsdUtils
+
+from geomstats_anim import LearnedMetric, __version__
+from usd_tools.console.errors import TEMPORARY, Messages, ToolError, commentary
+from usd_tools.files.openusd_gaps import flattened, lost_by_packing, modify_asset_paths
+from usd_tools.files.stages import missing_files, relative_asset_path, written_beside
+from usd_tools.metrics.attributes import NAMESPACE, write_metric, write_source_codes, write_summary
+from usd_tools.skel.channels import CHANNELS, Channel, write_samples
+from usd_tools.skel.clip import AnimationSource
+from usd_tools.skel.instancing import editable_paths
+
+TOOL = "geomstats_anim"
+"""Key of `customLayerData` that says what made a file."""
+
+_NOT_COPIED = {
+    "subLayers",
+    "subLayerOffsets",
+    "comment",
+    "documentation",
+    "primOrder",
+    "layerRelocates",
+    "customLayerData",
+}
+"""What a layer says of itself, and not of the stage."""
+
+
+def made_by(tool: str, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Entry of `customLayerData` that says what made a file: tool, version and settings, plain values."""
+    return {TOOL: {"tool": tool, "version": __version__, "settings": dict(settings)}}
+
+
+class OverrideLayer:
+    """A layer that changes animations of a stage and leaves everything else to it by composition.
+
+    Parameters
+    ----------
+    stage : Usd.Stage
+        The source.
+    tool : str
+        What makes the layer, for its `customLayerData`.
+    settings : mapping
+        Plain values, for its `customLayerData`.
+    codes_per_second : float
+        Plays the source at another number of time codes a second: USD stretches a sublayer whose rate differs.
+        Optional, default: the source's own.
+    base : Sdf.Layer
+        Layer to be changed in place.
+        Optional, default: a new layer, to be put over the source.
+    """
+
+    def __init__(
+        self,
+        stage: Usd.Stage,
+        tool: str,
+        settings: Mapping[str, Any],
+        codes_per_second: float | None = None,
+        base: Sdf.Layer | None = None,
+    ) -> None:
+        self.layer = Sdf.Layer.CreateAnonymous(".usda")
+        root = stage.GetRootLayer()
+        self.stretch = 1.0
+        if base is not None:
+            self.layer.TransferContent(base)
+        else:
+            # Stage metadata counts in the root layer only: what is not copied up is lost, the frame rate first.
+            # A usdc has it in the order in which it is set, and OpenUSD lists it in that of addresses in memory.
+            for key in sorted(root.pseudoRoot.ListInfoKeys()):
+                if key not in _NOT_COPIED:
+                    self.layer.pseudoRoot.SetInfo(key, root.pseudoRoot.GetInfo(key))
+        if codes_per_second is not None:
+            self.stretch = codes_per_second / stage.GetTimeCodesPerSecond()
+            self.layer.timeCodesPerSecond = self.layer.framesPerSecond = codes_per_second
+            if root.HasStartTimeCode():
+                self.layer.startTimeCode = root.startTimeCode * self.stretch
+            if root.HasEndTimeCode():
+                self.layer.endTimeCode = root.endTimeCode * self.stretch
+        self.layer.customLayerData = {**root.customLayerData, **made_by(tool, settings)}
+
+    def write_animation(
+        self,
+        source: AnimationSource,
+        channels: Mapping[str, Channel],
+        defaults: Mapping[str, np.ndarray],
+        metric: LearnedMetric | None,
+        messages: Messages,
+        source_codes: np.ndarray | None = None,
+    ) -> None:
+        """Write the samples of an animation, all of them: one sample here hides every sample below.
+
+        Parameters
+        ----------
+        source : AnimationSource
+        channels : mapping of str to Channel
+            Sampled attributes.
+        defaults : mapping of str to array-like, shape=[N, C]
+            Attributes that get a default value only.
+        metric : LearnedMetric
+        messages : Messages
+            Told of instances that have to be given up.
+        source_codes : array-like, shape=[F]
+            Of a sparse animation: where its source had samples.
+            Optional, default: it is not sparse.
+        """
+        for path in editable_paths(self.layer, source, messages):
+            spec = Sdf.CreatePrimInLayer(self.layer, path)
+            for name, values in defaults.items():
+                kind, attribute = CHANNELS[name], _attribute(spec, name)
+                attribute.ClearInfo("timeSamples")
+                attribute.default = kind.to_usd(values.astype(kind.dtype))
+            for name, channel in channels.items():
+                write_samples(_attribute(spec, name), channel, self.stretch)
+            if metric is not None:
+                axes = source.prim.GetAttribute(f"{NAMESPACE}:axes")
+                write_metric(spec, metric, hide_axes=bool(axes) and axes.HasAuthoredValue())
+            if source_codes is not None:
+                write_source_codes(spec, source_codes)
+        if metric is not None:
+            for skeleton in source.skeletons:
+                if not skeleton.IsInstanceProxy():
+                    write_summary(Sdf.CreatePrimInLayer(self.layer, skeleton.GetPath()), metric)
+
+
+def _attribute(spec: Sdf.PrimSpec, name: str) -> Sdf.AttributeSpec:
+    return spec.attributes.get(name) or Sdf.AttributeSpec(spec, name, CHANNELS[name].value_type)
+
+
+def save(
+    override: OverrideLayer, source: Path, out: Path, usd_format: str | None = None, flatten: bool = False
+) -> None:
+    """Write an override layer to a file, over its source or flattened with it.
+
+    Parameters
+    ----------
+    override : OverrideLayer
+    source : Path
+        File that it goes over.
+    out : Path
+        Its extension says how: .usda is text, .usdc binary, .usdz a package of both layers.
+    usd_format : str
+        "usda" or "usdc" for a file that ends in .usd.
+        Optional, default: "usdc".
+    flatten : bool
+        Whether to write one layer with everything in it.
+        Optional, default: False.
+
+    Raises
+    ------
+    ToolError
+        If it cannot be written.
+    """
+    with written_beside(out) as beside:
+        if out.suffix == ".usdz":
+            _save_package(override.layer, source, beside, flatten)
+        else:
+            layer = _flattened(override.layer, source, out.parent, _context(source)) if flatten else override.layer
+            if not flatten:
+                layer.subLayerPaths = [relative_asset_path(source, out.parent)]
+            _export(layer, beside, usd_format, check=flatten)
+
+
+def save_in_place(override: OverrideLayer, source: Path) -> None:
+    """Write an override layer that was made from its source back to it, in the same format.
+
+    Raises
+    ------
+    ToolError
+        If it cannot be written.
+    """
+    with open(source, "rb") as file:
+        is_binary = file.read(8) == b"PXR-USDC"
+    with written_beside(source) as beside:
+        usd_format = ("usdc" if is_binary else "usda") if source.suffix == ".usd" else None
+        _export(override.layer, beside, usd_format, check=True)
+
+
+def save_copy(override: OverrideLayer, source: Path, out: Path, usd_format: str | None = None) -> None:
+    """Write an override layer that was made from its source to another file; see `save`.
+
+    Raises
+    ------
+    ToolError
+        If it cannot be written.
+    """
+    here, there = os.path.abspath(source.parent), os.path.abspath(out.parent)
+    if here != there:
+
+        def moved(path: str) -> str:
+            """Name a file as seen from the other folder; what is found by a search path stays."""
+            package, bracket, inner = path.partition("[")
+            if os.path.isabs(package) or not (package.startswith(".") or os.path.exists(os.path.join(here, package))):
+                return path
+            return relative_asset_path(Path(here) / package, out.parent) + bracket + inner
+
+        modify_asset_paths(override.layer, moved)
+    with written_beside(out) as beside:
+        _export(override.layer, beside, usd_format, check=True)
+
+
+def save_layer(layer: Sdf.Layer, out: Path, usd_format: str | None = None) -> None:
+    """Write a layer that needs no other file; see `save`.
+
+    Raises
+    ------
+    ToolError
+        If it cannot be written.
+    """
+    with written_beside(out) as beside:
+        if out.suffix == ".usdz":
+            with tempfile.TemporaryDirectory(prefix=TEMPORARY) as folder:
+                _pack(layer, Path(folder) / f"{out.stem}.usdc", beside)
+        else:
+            _export(layer, beside, usd_format)
+
+
+def _export(layer: Sdf.Layer, path: Path, usd_format: str | None, check: bool = False) -> None:
+    """Write a layer; check what has others' content, for OpenUSD writes of damaged files what it cannot read."""
+    arguments = {"format": usd_format or "usdc"} if path.suffix == ".usd" else {}
+    if not layer.Export(str(path), args=arguments):
+        raise ToolError(f"{path.name} cannot be written; is there room on the disk?")
+    if check:
+        try:
+            Sdf.Layer.OpenAsAnonymous(str(path))
+        except Tf.ErrorException as error:
+            raise ToolError(f"{path.name} could not be read again: {commentary(error).rstrip('.')}.") from error
+
+
+def _flattened(override: Sdf.Layer, source: Path, folder: Path, context: Ar.ResolverContext) -> Sdf.Layer:
+    """Everything in one layer, with the files that it needs named as seen from a folder."""
+    override.subLayerPaths = [os.path.abspath(source)]
+    layer = flattened(Usd.Stage.Open(override, context))
+    for key in sorted(override.pseudoRoot.ListInfoKeys()):
+        if key not in _NOT_COPIED or key == "customLayerData":
+            layer.pseudoRoot.SetInfo(key, override.pseudoRoot.GetInfo(key))
+    modify_asset_paths(layer, lambda path: relative_asset_path(Path(path), folder) if os.path.isabs(path) else path)
+    return layer
+
+
+def _context(path: Path) -> Ar.ResolverContext:
+    """How OpenUSD finds what is named when it opens a file: names without a dot may count from that file's folder."""
+    return Ar.GetResolver().CreateDefaultContextForAsset(os.path.abspath(path))
+
+
+def _save_package(override: Sdf.Layer, source: Path, out: Path, flatten: bool) -> None:
+    """Write a usdz package of an override layer, its source, and all files that they need."""
+    with tempfile.TemporaryDirectory(prefix=TEMPORARY) as folder:
+        context = _context(source)
+        if source.suffix == ".usdz":
+            # A package in a package is not valid usdz, so the source is packed anew; its names may count from its root.
+            context = _context(Path(folder) / source.name)
+            source = _unpacked(source, Path(folder))
+        root = Path(folder) / f"{out.stem}.usdc"
+        while root.exists():
+            root = root.with_stem(f"{root.stem}_over")
+        if flatten:
+            layer = _flattened(override, source, root.parent, context)
+        else:
+            layer = override
+            layer.subLayerPaths = [os.path.abspath(source)]
+        with Ar.ResolverContextBinder(context):
+            _pack(layer, root, out)
+
+
+def _unpacked(package: Path, folder: Path) -> Path:
+    """Unpack a usdz package, and find its first file, which is the one that counts."""
+    try:
+        # OpenUSD writes names as UTF-8, but does not say so in the file.
+        with zipfile.ZipFile(package, metadata_encoding="utf-8") as archive:
+            archive.extractall(folder)
+            return folder / archive.namelist()[0]
+    except zipfile.BadZipFile as error:
+        raise ToolError(f"{package} is broken: {str(error).rstrip('.')}; pack it again.") from error
+    except UnicodeDecodeError as error:
+        raise ToolError(f"{package} has names that are not UTF-8; pack it again.") from error
+
+
+def _pack(layer: Sdf.Layer, root: Path, out: Path) -> None:
+    """Write a layer to a file, and that with all that it needs to a usdz package."""
+    _export(layer, root, None)
+    lost = lost_by_packing(root)
+    if lost is not None:
+        raise ToolError(
+            f"{out.name} cannot be packed: OpenUSD would forget the offset in time of the sublayer {lost}; add "
+            "--flatten, or name a file that is no package."
+        )
+    if not UsdUtils.CreateNewUsdzPackage(str(root), str(out)):
+        missing = missing_files(root)
+        if missing:
+            raise ToolError(
+                f"{out.name} cannot be packed without {', '.join(missing)}: put what is missing in its place."
+            )
+        raise ToolError(f"{out.name} cannot be packed; does every file that the source needs exist?")
+    try:
+        _forget_times(out)
+    except zipfile.BadZipFile as error:  # on a full disk OpenUSD says nothing
+        raise ToolError(f"{out.name} cannot be written; is there room on the disk?") from error
+
+
+def _forget_times(package: Path) -> None:
+    """Set every file's time in a package to 1980, the oldest of zip's, so that the same input makes the same bytes."""
+    date = b"\x00\x00\x21\x00"
+    data = bytearray(package.read_bytes())
+    with zipfile.ZipFile(package) as archive:
+        entry = archive.start_dir
+        for info in archive.infolist():
+            data[info.header_offset + 10 : info.header_offset + 14] = date
+            data[entry + 12 : entry + 16] = date
+            sizes = np.frombuffer(data, dtype="<u2", count=3, offset=entry + 28)
+            entry += 46 + int(sizes.sum())
+    package.write_bytes(data)
