@@ -15,9 +15,6 @@ from geomstats_anim.animation import Animation, Skeleton
 from geomstats_anim.kinematics import world_pose
 from geomstats_anim.rotations import Array
 
-KINDS = ("loc", "rot", "hyb")
-"""Kinds of quality."""
-
 
 def quality(
     animation: Animation,

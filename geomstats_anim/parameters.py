@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geomstats_anim import rotations as quat
+from geomstats_anim.names import INVARIANCES
 from geomstats_anim.rotations import Array
-
-INVARIANCES = ("left", "right")
 
 MAX_CONDITION = 1e4
 """Largest ratio of principal moments: beyond, a body tumbles so fast that its geodesics take seconds each."""

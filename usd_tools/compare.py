@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from geomstats_anim import SCHEMES, __version__
-from geomstats_anim.criteria import KINDS
+from geomstats_anim.names import KINDS
 from usd_tools.comparison import tables as comparison_tables
 from usd_tools.comparison.cells import RATES, Contender, Outcome, Row, cells
 from usd_tools.comparison.report.report import write_report

@@ -15,10 +15,7 @@ from typing import Any
 from pxr import Usd
 
 from geomstats_anim import SCHEMES, __version__
-from geomstats_anim.interpolation.schemes import WITH_METRIC
-from geomstats_anim.keyframes.problem import CRITERIA
-from geomstats_anim.learning.compression import SELECTIONS
-from geomstats_anim.learning.gradient import FAMILIES
+from geomstats_anim.names import CRITERIA, FAMILIES, SELECTIONS, WITH_METRIC
 from usd_tools.console.arguments import positive_number, share, whole_number
 from usd_tools.console.errors import Messages, ToolError, run, usd_unheard, usd_warnings
 from usd_tools.console.progress import SearchProgress

@@ -16,11 +16,8 @@ from typing import Any
 from pxr import Usd
 
 from geomstats_anim import __version__
-from geomstats_anim.criteria import KINDS
-from geomstats_anim.interpolation.schemes import WITH_METRIC
-from geomstats_anim.learning.gradient import FAMILIES, INVARIANCE_CHOICES
-from geomstats_anim.learning.learn import PURPOSES, SEARCHES
-from geomstats_anim.learning.tune.tpe import TRIALS, TuneSettings
+from geomstats_anim.learning.tune.tpe import TuneSettings
+from geomstats_anim.names import FAMILIES, INVARIANCE_CHOICES, KINDS, PURPOSES, SEARCHES, TRIALS, WITH_METRIC
 from usd_tools.console.arguments import add_workers, seed, share, whole_number
 from usd_tools.console.errors import Messages, ToolError, run, usd_warnings
 from usd_tools.console.progress import Progress, SearchProgress

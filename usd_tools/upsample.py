@@ -15,8 +15,7 @@ import numpy as np
 from pxr import Usd
 
 from geomstats_anim import SCHEMES, __version__
-from geomstats_anim.interpolation.schemes import WITH_METRIC
-from geomstats_anim.parameters import INVARIANCES
+from geomstats_anim.names import DEFAULT_SCHEME, INVARIANCES, WITH_METRIC
 from usd_tools.console.arguments import positive_number, whole_number
 from usd_tools.console.errors import Messages, ToolError, run, usd_warnings
 from usd_tools.console.progress import Progress
@@ -26,7 +25,7 @@ from usd_tools.skel.clip import AnimationSource, SkelClip, find_animations, read
 from usd_tools.skel.output import Output
 from usd_tools.skel.resampling import Resampled, at_rate, resample, subdivided, with_codes
 from usd_tools.skel.time_codes import SOURCE, TimeCodes, remembering
-from usd_tools.upsampling.joint_styles import DEFAULT_SCHEME, Style, parse_style
+from usd_tools.upsampling.joint_styles import Style, parse_style
 from usd_tools.upsampling.metric import EffectiveMetric, effective_metrics
 from usd_tools.upsampling.summary import Job, described, tell, usual_rate
 

@@ -106,9 +106,6 @@ SCHEMES: dict[str, type[Curve]] = {
 }
 """Every scheme by its name."""
 
-WITH_METRIC = tuple(name for name, curve in SCHEMES.items() if issubclass(curve, Geodesic))
-"""Schemes that have a metric, which can be learned."""
-
 
 def interpolate(
     animation: Animation, times: ArrayLike, scheme: str = "geodesic", metric: Metric | None = None

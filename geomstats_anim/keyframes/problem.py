@@ -10,19 +10,14 @@ from numpy.typing import ArrayLike
 
 from geomstats_anim import rotations as quat
 from geomstats_anim.animation import Animation
-from geomstats_anim.criteria import KINDS, joint_weights, kind_shares
+from geomstats_anim.criteria import joint_weights, kind_shares
 from geomstats_anim.interpolation.curves import Metric
 from geomstats_anim.interpolation.schemes import SCHEMES
 from geomstats_anim.interpolation.tangents import STILL
 from geomstats_anim.keyframes.dynamic_programming import Measure, cheapest, fewest, segment_errors
 from geomstats_anim.keyframes.local_search import Judge, judge_of, moved, thinned
+from geomstats_anim.names import CRITERIA, KINDS, LARGEST
 from geomstats_anim.parameters import LearnedMetric
-
-LARGEST = "max"
-"""The criterion that counts the largest distance of a bone end alone."""
-
-CRITERIA = (*KINDS, LARGEST)
-"""What keys may be chosen by."""
 
 _WINDOW = 5
 """Usual distances of keys that one segment may span: wider ones change the outcome by less than one per cent."""

@@ -16,11 +16,9 @@ from scipy.optimize import minimize
 
 from geomstats_anim.geodesics.shortest import Effort
 from geomstats_anim.learning.batched_bfgs import minimize_each
-from geomstats_anim.parameters import INVARIANCES, MAX_TENSION, CurveParameters, MetricParameters
+from geomstats_anim.names import FAMILIES, INVARIANCE_CHOICES, INVARIANCES
+from geomstats_anim.parameters import MAX_TENSION, CurveParameters, MetricParameters
 from geomstats_anim.rotations import Array
-
-FAMILIES = ("diagonal", "spd")
-INVARIANCE_CHOICES = ("left", "right", "clip", "joint")
 
 BOUND = np.log(10.0)
 """Largest |log alpha| and |log beta|: a condition number of at most 100."""

@@ -14,18 +14,16 @@ from geomstats_anim import rotations as quat
 from geomstats_anim._version import __version__
 from geomstats_anim.animation import Animation
 from geomstats_anim.criteria import quality
-from geomstats_anim.interpolation.schemes import SCHEMES, WITH_METRIC
+from geomstats_anim.interpolation.schemes import SCHEMES
 from geomstats_anim.interpolation.tangents import STILL
 from geomstats_anim.learning.gradient import Found, Learnable, search_gradient
 from geomstats_anim.learning.objective import Objective
 from geomstats_anim.learning.shrinkage import Fold, blocks, shrink
+from geomstats_anim.names import PURPOSES, SEARCHES, WITH_METRIC
 from geomstats_anim.parameters import CurveParameters, LearnedMetric
 
 if TYPE_CHECKING:
     from geomstats_anim.learning.tune.tpe import TuneSettings
-
-SEARCHES = ("gradient", "tpe", "tpe-joint")
-PURPOSES = ("reconstruct", "predict")
 
 
 def learn_metric(

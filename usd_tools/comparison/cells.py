@@ -14,9 +14,8 @@ import numpy as np
 from geomstats_anim import SCHEMES, Animation, LearnedMetric, quality, uniform_keyframes
 from geomstats_anim import rotations as quat
 from geomstats_anim.criteria import location_errors, rotation_errors
-from geomstats_anim.interpolation.schemes import WITH_METRIC
-from geomstats_anim.learning.gradient import FAMILIES
-from geomstats_anim.learning.learn import PURPOSES, STILL, learn_metric
+from geomstats_anim.learning.learn import STILL, learn_metric
+from geomstats_anim.names import FAMILIES, PURPOSES, WITH_METRIC
 from usd_tools.learning.clips import Take
 from usd_tools.skel.sizes import bytes_numpy, bytes_usdc
 

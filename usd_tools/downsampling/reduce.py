@@ -13,8 +13,9 @@ import numpy as np
 
 from geomstats_anim import Animation, LearnedMetric, __version__, compress, interpolate, quality, uniform_keyframes
 from geomstats_anim.criteria import location_errors
-from geomstats_anim.keyframes.problem import LARGEST, KeyProblem, by_halving
+from geomstats_anim.keyframes.problem import KeyProblem, by_halving
 from geomstats_anim.learning.compression import Compressed
+from geomstats_anim.names import LARGEST
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.downsampling.thinning import Errors, Thinning, aligned, restored
 from usd_tools.files.stages import open_stage

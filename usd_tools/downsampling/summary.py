@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from geomstats_anim import LearnedMetric
-from geomstats_anim.interpolation.schemes import WITH_METRIC
+from geomstats_anim.names import WITH_METRIC
 from geomstats_anim.rotations import Array
 from usd_tools.console.errors import Messages
 from usd_tools.console.tables import counted, show

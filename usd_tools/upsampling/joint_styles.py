@@ -8,11 +8,8 @@ from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 
 from geomstats_anim import LearnedMetric, MetricParameters
-from geomstats_anim.parameters import INVARIANCES
+from geomstats_anim.names import INVARIANCES
 from usd_tools.console.arguments import positive_number
-
-DEFAULT_SCHEME = "geodesic-spline"
-"""Used where neither the user nor a metric asks for another: with the identity it predicts best of all."""
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from geomstats_anim import SCHEMES, LearnedMetric
-from geomstats_anim.interpolation.schemes import WITH_METRIC
+from geomstats_anim.names import DEFAULT_SCHEME, WITH_METRIC
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.metrics.attributes import read_metric
 from usd_tools.skel.clip import SkelClip
-from usd_tools.upsampling.joint_styles import DEFAULT_SCHEME, Style, styled, unmatched
+from usd_tools.upsampling.joint_styles import Style, styled, unmatched
 
 _WORDS = ("stored", "identity", "learn")
 

@@ -11,13 +11,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from geomstats_anim import LearnedMetric
-from geomstats_anim.interpolation.schemes import WITH_METRIC
+from geomstats_anim.names import DEFAULT_SCHEME, WITH_METRIC
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.progress import SearchProgress
 from usd_tools.learning.clips import take_of
 from usd_tools.learning.train import Recipe, teach
 from usd_tools.skel.clip import SkelClip
-from usd_tools.upsampling.joint_styles import DEFAULT_SCHEME
 
 RATE = 0.5
 

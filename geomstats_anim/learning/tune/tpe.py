@@ -19,14 +19,12 @@ from geomstats_anim.learning.clips import Corpus
 from geomstats_anim.learning.gradient import BOUND, Found, Learnable, check_words
 from geomstats_anim.learning.objective import Objective
 from geomstats_anim.learning.tune.ray_runtime import require
-from geomstats_anim.parameters import INVARIANCES, CurveParameters, MetricParameters
+from geomstats_anim.names import INVARIANCES, JOINT_TRIALS
+from geomstats_anim.parameters import CurveParameters, MetricParameters
 from geomstats_anim.rotations import Array
 
-TRIALS, WINDOW = 1000, 250
-"""Usual trials of the search over all joints at once, and trials without improvement that end it."""
-
-JOINT_TRIALS, JOINT_WINDOW = 100, 40
-"""The same for each joint of the search joint by joint."""
+WINDOW, JOINT_WINDOW = 250, 40
+"""Trials without improvement that end the search over all joints at once, and that of a joint."""
 
 STARTUP = 20
 """Random points before the first that HyperOpt derives from the others."""

@@ -26,7 +26,6 @@ from geomstats_anim.learning.tune.loggers import file_loggers, wandb_logger
 from geomstats_anim.learning.tune.ray_runtime import running
 from geomstats_anim.learning.tune.tpe import (
     STARTUP,
-    TRIALS,
     WINDOW,
     Convergence,
     Point,
@@ -35,6 +34,7 @@ from geomstats_anim.learning.tune.tpe import (
     as_document,
     point_of,
 )
+from geomstats_anim.names import TRIALS
 
 METRIC, MODE = "quality", "min"
 

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from geomstats_anim import SCHEMES, Animation, MetricParameters, Skeleton, interpolate, optimal_keyframes, quality
 from geomstats_anim.criteria import location_errors
 from geomstats_anim.keyframes.dynamic_programming import Measure, segment_errors
-from geomstats_anim.keyframes.problem import CRITERIA
+from geomstats_anim.names import CRITERIA
 
 SKELETON = Skeleton(
     ["hips", "hips/spine", "hips/spine/arm"],

@@ -7,8 +7,9 @@ from wanderings import N_JOINTS, metric, needs_clips, noise, real, wandering
 
 from geomstats_anim import Animation, MetricParameters, interpolate, uniform_keyframes
 from geomstats_anim import rotations as quat
-from geomstats_anim.learning.gradient import BOUND, FAMILIES, INVARIANCE_CHOICES, left_jacobian, search_gradient
+from geomstats_anim.learning.gradient import BOUND, left_jacobian, search_gradient
 from geomstats_anim.learning.objective import Objective
+from geomstats_anim.names import FAMILIES, INVARIANCE_CHOICES
 from geomstats_anim.parameters import CurveParameters
 
 KINDS = ("loc", "rot", "hyb")

@@ -7,7 +7,7 @@ import pytest
 from rigs import make_rig, stored_metric
 
 from geomstats_anim import SCHEMES, LearnedMetric
-from geomstats_anim.interpolation.schemes import WITH_METRIC
+from geomstats_anim.names import WITH_METRIC
 from usd_tools.upsampling.joint_styles import parse_style, styled
 
 JOINTS = ["rig:Hips", "rig:Hips/rig:LeftArm", "rig:Hips/rig:LeftArm/rig:LeftHand"]

@@ -1,0 +1,40 @@
+"""The words that options and files use: the one place for them, without dependencies, so that parsers need no more."""
+
+SCHEME_NAMES = ("constant", "linear", "slerp", "squad", "rotation-spline", "geodesic", "geodesic-spline")
+"""Interpolation schemes."""
+
+WITH_METRIC = ("geodesic", "geodesic-spline")
+"""Schemes that have a metric, which can be learned."""
+
+DEFAULT_SCHEME = "geodesic-spline"
+"""Used where neither the user nor a metric asks for another: with the identity metric it predicts best."""
+
+INVARIANCES = ("left", "right")
+"""Sides of a joint's metric."""
+
+INVARIANCE_CHOICES = (*INVARIANCES, "clip", "joint")
+"""Sides to learn: a given one, the better one for all joints, or the better one for each joint."""
+
+FAMILIES = ("diagonal", "spd")
+"""Families of matrices to learn from, each contained in the next."""
+
+KINDS = ("loc", "rot", "hyb")
+"""Kinds of quality."""
+
+LARGEST = "max"
+"""Criterion that counts only the largest distance of a bone end."""
+
+CRITERIA = (*KINDS, LARGEST)
+"""Criteria by which keys may be chosen."""
+
+SELECTIONS = ("optimal", "uniform")
+"""Ways to choose keys, the default first."""
+
+PURPOSES = ("reconstruct", "predict")
+"""Purposes to learn for, the default first."""
+
+SEARCHES = ("gradient", "tpe", "tpe-joint")
+"""Searches for a metric, the default first."""
+
+TRIALS, JOINT_TRIALS = 1000, 100
+"""Default number of trials of the search over all joints at once, and of the search for each joint."""
