@@ -1,6 +1,4 @@
-"""Small stages to try things on, and where the real files are."""
-
-from pathlib import Path
+"""Small stages to try things on."""
 
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdSkel, Vt
@@ -9,7 +7,6 @@ from scipy.spatial.transform import Rotation
 from usd_tools.metrics.attributes import read_metric
 from usd_tools.skel.channels import CHANNELS
 
-DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 JOINTS = ["hips", "hips/spine", "hips/spine/arm"]
 SKELETON, ANIMATION = "/Rig/Skel", "/Rig/Anim"
 

@@ -7,7 +7,7 @@ import pytest
 from blender import blender
 from bvh_files import CHAIN, write_bvh
 from pxr import Usd
-from rigs import DATA
+from real_files import SHARED
 from scipy.spatial.transform import Rotation
 
 from geomstats_anim import rotations as quat
@@ -17,8 +17,8 @@ from usd_tools.skel.clip import find_animations, read_clip
 from usd_tools.skel.resampling import animation_of
 
 pytestmark = pytest.mark.slow
-BVH = sorted((DATA / "bvh").glob("*.bvh"))
-needs_data = pytest.mark.skipif(not BVH, reason=f"the real files are not there: {DATA / 'bvh'}")
+BVH = sorted((SHARED / "bvh").glob("*.bvh"))
+needs_data = pytest.mark.skipif(not BVH, reason=f"the real files are not there: {SHARED / 'bvh'}")
 
 
 def quaternions(matrices):
@@ -80,7 +80,7 @@ def bvh(request, tmp_path):
     if request.param == "made":
         write_bvh(tmp_path / "made.bvh", n_frames=12, text=CHAIN)
         return tmp_path / "made.bvh"
-    return DATA / "bvh" / f"{request.param}.bvh"
+    return SHARED / "bvh" / f"{request.param}.bvh"
 
 
 def test_from_bvh_into_blender(tmp_path, run, bvh):

@@ -8,7 +8,8 @@ from dataclasses import fields
 import numpy as np
 import pytest
 from pxr import Sdf, Usd, UsdGeom, UsdSkel
-from rigs import ANIMATION, DATA, bits, make_rig, random_rotations, read, set_samples, stored_metric
+from real_files import real_file
+from rigs import ANIMATION, bits, make_rig, random_rotations, read, set_samples, stored_metric
 from scipy.spatial.transform import Rotation
 
 from geomstats_anim import SCHEMES
@@ -310,18 +311,14 @@ def test_ray_gives_the_same(tmp_path, run):
 
 
 @pytest.mark.slow
-def test_real_clips_are_those_of_the_written_files(tmp_path, run):
-    names = ("sitting", "pitching")
-    clips = [DATA / "clips" / f"{name}.usda" for name in names]
-    if not all(clip.is_file() for clip in clips):
-        pytest.skip(f"needs the clips in {DATA}")
-    for clip in clips:
-        shutil.copy(clip, tmp_path)
+@pytest.mark.parametrize("names", [("sitting", "punching"), ("sitting", "pitching")])
+def test_real_clips_are_those_of_the_written_files(tmp_path, names, run):
+    clips = [real_file(f"clips/{name}.usda") for name in names]
+    paths = {clip.stem: shutil.copy(clip, tmp_path) for clip in clips}
     schemes = [*SCHEMES, "geodesic:spd"]
-    paths = [tmp_path / clip.name for clip in clips]
-    assert run("compare", *paths, "-o", tmp_path / "out", "--rates", ".2", "--schemes", *schemes)[0] == 0
+    assert run("compare", *paths.values(), "-o", tmp_path / "out", "--rates", ".2", "--schemes", *schemes)[0] == 0
     for row in json.loads((tmp_path / "out" / "results.json").read_text())["rows"]:
         if row["usd"] is not None:
-            found = evaluated(tmp_path / "out" / row["usd"], tmp_path / f"{row['clip']}.usda")
+            found = evaluated(tmp_path / "out" / row["usd"], paths[row["clip"]])
             for name, value in found.items():
                 assert row[name] == pytest.approx(value, rel=1e-5, abs=1e-5), (row["usd"], name)

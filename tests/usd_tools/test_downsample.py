@@ -6,12 +6,12 @@ import shlex
 import numpy as np
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, UsdUtils, Vt
-from rigs import ANIMATION, DATA, JOINTS, SKELETON, bits, make_rig, random_rotations, read, set_samples, stored_metric
+from real_files import CLIPS, real_file
+from rigs import ANIMATION, JOINTS, SKELETON, bits, make_rig, random_rotations, read, set_samples, stored_metric
 from scipy.spatial.transform import Rotation
 
 from usd_tools.skel.joint_names import short_names
 
-CLIPS = sorted((DATA / "clips").glob("*.usda"))
 AMOUNTS = (["--rate", ".3"], ["--keys", "7"], ["--tolerance", "1"])
 QUICK = ["--scheme", "slerp"]
 """For what does not depend on a metric."""
@@ -435,9 +435,9 @@ def test_the_metric_knows_what_it_brings_each_joint(clip, there_and_back, inspec
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", CLIPS or [pytest.param(None, marks=pytest.mark.skip(f"{DATA} is not there"))],
-                         ids=lambda path: path.stem if path else "none")  # fmt: skip
-def test_real_clips(path, there_and_back):
+@pytest.mark.parametrize("name", CLIPS)
+def test_real_clips(name, there_and_back):
+    path = real_file(name)
     sparse, _, report = there_and_back(path, "--tolerance", "3", out="out.usdc")
     animation = report["animations"][0]
     assert animation["rebuilt"]["centimetres"]["largest"] <= 3.0

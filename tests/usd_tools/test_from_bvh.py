@@ -9,7 +9,8 @@ from bvh_files import MIXED, placed, write_bvh
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pxr import Sdf, Usd, UsdGeom, UsdSkel, UsdValidation
-from rigs import DATA, read
+from real_files import SHARED
+from rigs import read
 
 from geomstats_anim.kinematics import world_pose
 from usd_tools.bvh.reader import read_bvh
@@ -18,7 +19,7 @@ from usd_tools.skel.joint_names import joint_paths, unique
 from usd_tools.skel.new_file import ANIMATION, SKELETON
 from usd_tools.skel.resampling import animation_of
 
-BVH = DATA / "bvh"
+BVH = SHARED / "bvh"
 REAL = {  # frames, joints, frames a second
     "02_08": (1501, 31, 120),
     "124_01": (644, 31, 120),

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from pxr import Usd
-from rigs import DATA, read
+from real_files import CLIPS, real_file
+from rigs import read
 from scipy.integrate import solve_ivp
 
 from geomstats_anim import MetricParameters
@@ -11,10 +12,7 @@ from geomstats_anim import rotations as quat
 from geomstats_anim.geodesics.pose_geodesics import LogStatus, PoseGeodesics
 from usd_tools.skel.clip import find_animations, read_clip
 
-CLIPS = [f"clips/{name}.usda" for name in ("jumping", "pitching", "punching", "rolling", "sitting")]
 FACTOR, MOMENTS = 4, np.array([1.0, 4.0, 0.5])
-
-pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason=f"the real files are not there: {DATA}")
 
 
 def integrate(initial, velocity, side):
@@ -39,10 +37,10 @@ def integrate(initial, velocity, side):
 def test_in_betweens_solve_the_geodesic_equation(tmp_path, run, name, side):
     out = tmp_path / "out.usdc"
     style = ["--alpha", MOMENTS[1], "--beta", MOMENTS[2], "--invariance", side]
-    code, _, err = run("upsample", DATA / name, "-o", out, "--factor", FACTOR, "--scheme", "geodesic", *style)
+    code, _, err = run("upsample", real_file(name), "-o", out, "--factor", FACTOR, "--scheme", "geodesic", *style)
     assert code == 0 and "is slerped" not in err  # no segment fell back
 
-    stage = Usd.Stage.Open(str(DATA / name))
+    stage = Usd.Stage.Open(str(real_file(name)))
     clip = read_clip(find_animations(stage)[0])
     keys = quat.normalize(clip.channels["rotations"].values.astype(np.float64))
     n_joints = keys.shape[1]

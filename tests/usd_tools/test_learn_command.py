@@ -8,7 +8,8 @@ import sys
 import numpy as np
 import pytest
 from pxr import Sdf, Usd, UsdSkel
-from rigs import ANIMATION, DATA, JOINTS, SKELETON, bits, make_rig, random_rotations, read, set_samples, stored_metric
+from real_files import CLIPS, real_file
+from rigs import ANIMATION, JOINTS, SKELETON, bits, make_rig, random_rotations, read, set_samples, stored_metric
 
 from geomstats_anim import LearnedMetric
 from geomstats_anim.rotations import distance
@@ -283,11 +284,10 @@ def test_inspect_tells_what_the_metric_means(tmp_path, clip, learned, run, inspe
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not DATA.is_dir(), reason=f"the real files are not there: {DATA}")
-@pytest.mark.parametrize("name", ["jumping", "pitching", "punching", "rolling", "sitting"])
+@pytest.mark.parametrize("name", CLIPS)
 @pytest.mark.parametrize("purpose", ["reconstruct", "predict"])
 def test_real_clips(tmp_path, learned, run, name, purpose):
-    _, err, report = learned(DATA / "clips" / f"{name}.usda", "-o", tmp_path / "out.usda", "--purpose", purpose)
+    _, err, report = learned(real_file(name), "-o", tmp_path / "out.usda", "--purpose", purpose)
     assert err == ""
     scores = report["metrics"][0]["scores"]
     if purpose == "reconstruct":

@@ -8,14 +8,13 @@ import pytest
 from composed import CHANNELS, differences, errors_of
 from file_table import LETTERS, TABLE
 from pxr import Usd, UsdSkel, UsdUtils
-from rigs import DATA, bits, read
+from real_files import SHARED, needs_shared, real_file
+from rigs import bits, read
 
 from geomstats_anim import rotations as quat
 from usd_tools.metrics.attributes import read_metric
 from usd_tools.skel.clip import find_animations, read_clip
 from usd_tools.skel.resampling import animation_of
-
-pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason=f"the real files are not there: {DATA}")
 
 ANIMATED = [name for name, row in TABLE.items() if row.upsample is None]
 TAUGHT = [name for name, row in TABLE.items() if row.learn is None]
@@ -29,14 +28,15 @@ def sentence(text, path):
     return text.replace("{}", str(path)).replace("{name}", path.name)
 
 
+@needs_shared
 def test_no_file_is_forgotten():
-    found = {str(path.relative_to(DATA)) for folder in ("clips", "usd") for path in (DATA / folder).rglob("*.usd*")}
+    found = {str(path.relative_to(SHARED)) for folder in ("clips", "usd") for path in (SHARED / folder).rglob("*.usd*")}
     assert found == set(TABLE)
 
 
 @pytest.mark.parametrize("name", TABLE)
 def test_inspect(name, run, inspected):
-    told = inspected(DATA / name)
+    told = inspected(real_file(name))
     found = {}
     for animation in told["animations"]:
         counts = {channel: of["samples"] or "" for channel, of in animation["channels"].items()}
@@ -44,7 +44,7 @@ def test_inspect(name, run, inspected):
         found[animation["prim"]] = " ".join(words)
     assert found == TABLE[name].animations
     assert told["warnings"] == list(TABLE[name].warnings)
-    code, out, err = run("inspect", DATA / name)
+    code, out, err = run("inspect", real_file(name))
     assert (code, "…" in out) == (0, False)
     assert err == "".join(f"warning: {warning}\n" for warning in TABLE[name].warnings)
 
@@ -52,15 +52,15 @@ def test_inspect(name, run, inspected):
 @pytest.mark.parametrize(("verb", "name"), REFUSED)
 def test_refused(tmp_path, verb, name, run):
     words = getattr(TABLE[name], verb)
-    code, out, err = run(verb, DATA / name, "-o", tmp_path / "out.usda", *OPTIONS[verb])
+    code, out, err = run(verb, real_file(name), "-o", tmp_path / "out.usda", *OPTIONS[verb])
     assert (code, out) == (1, "")
-    assert err.splitlines()[-1] == f"error: {sentence(words, DATA / name)}"
+    assert err.splitlines()[-1] == f"error: {sentence(words, real_file(name))}"
     assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("name", ANIMATED)
 def test_upsample(tmp_path, name, run):
-    source, out = DATA / name, tmp_path / "out.usdc"
+    source, out = real_file(name), tmp_path / "out.usdc"
     code, text, err = run("upsample", source, "-o", out, "--factor", 2, "--alpha", 4, "--beta", 0.5)
     assert (code, err.count("\n")) == (0, any("degrees" in warning for warning in TABLE[name].warnings))
     counts = [f"{before} -> {2 * before - 1} samples" for before in TABLE[name].samples]
@@ -82,7 +82,7 @@ def test_upsample(tmp_path, name, run):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", TAUGHT)
 def test_learn(tmp_path, name, run):
-    source, out = DATA / name, tmp_path / "out.usdc"
+    source, out = real_file(name), tmp_path / "out.usdc"
     code, text, err = run("learn", source, "-o", out)
     assert (code, err) == (0, "")
     assert text.count("samples kept as keys") == len(TABLE[name].samples)
@@ -96,7 +96,7 @@ def test_learn(tmp_path, name, run):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", THINNED)
 def test_downsample(tmp_path, name, run):
-    source = DATA / name
+    source = real_file(name)
     # of the same kind as the source: usdc forgets the sign of zeros
     out = tmp_path / f"out{source.suffix if source.suffix == '.usdc' else '.usda'}"
     code, text, err = run("downsample", source, "-o", out, *OPTIONS["downsample"])
@@ -116,16 +116,17 @@ def test_downsample(tmp_path, name, run):
     assert errors_of(out) <= errors_of(source)
 
 
+@needs_shared
 @pytest.mark.slow
 def test_compare(tmp_path, run):
     out = tmp_path / "out"
-    code, _, err = run("compare", DATA / "usd", "-o", out, "--rates", 0.3, "--schemes", "linear", "slerp")
+    code, _, err = run("compare", SHARED / "usd", "-o", out, "--rates", 0.3, "--schemes", "linear", "slerp")
     results = json.loads((out / "results.json").read_text())
     assert code == 0
     rows = {name: row for name, row in TABLE.items() if name.startswith("usd/")}
     skipped = {name: row.compare for name, row in rows.items() if row.compare is not None}
     told = {file["file"]: file["reason"] for file in results["skipped"]}
-    assert told == {Path(name).name: sentence(words, DATA / name) for name, words in skipped.items()}
+    assert told == {Path(name).name: sentence(words, real_file(name)) for name, words in skipped.items()}
     counts = [len(row.samples) for row in rows.values() if row.compare is None]
     assert (len(results["clips"]), len(results["rows"])) == (sum(counts), 4 * sum(counts))
     for row in results["rows"]:
@@ -133,14 +134,14 @@ def test_compare(tmp_path, run):
         if row["usd"] is not None:
             source = next(clip["file"] for clip in results["clips"] if clip["clip"] == row["clip"])
             (name,) = (name for name in rows if Path(name).name == source)
-            assert differences(DATA / name, out / row["usd"]) == []
+            assert differences(real_file(name), out / row["usd"]) == []
 
 
 @pytest.mark.parametrize("name", CLIPS)
 def test_slerp_is_what_usd_shows(tmp_path, name, run):
     out = tmp_path / "out.usda"
-    run("upsample", DATA / name, "-o", out, "--factor", 3, "--scheme", "slerp")
-    stage, new = Usd.Stage.Open(str(DATA / name)), Usd.Stage.Open(str(out))
+    run("upsample", real_file(name), "-o", out, "--factor", 3, "--scheme", "slerp")
+    stage, new = Usd.Stage.Open(str(real_file(name))), Usd.Stage.Open(str(out))
     (source,) = find_animations(stage)
     queries = []
     for each in (stage, new):
@@ -157,19 +158,19 @@ def test_slerp_is_what_usd_shows(tmp_path, name, run):
 @pytest.mark.parametrize("flat", [[], ["--flatten"]])
 def test_usdz(tmp_path, name, flat, run):
     out = tmp_path / "out.usdz"
-    code, _, err = run("upsample", DATA / name, "-o", out, "--factor", 2, *flat)
+    code, _, err = run("upsample", real_file(name), "-o", out, "--factor", 2, *flat)
     assert (code, err) == (0, "")
-    assert errors_of(out) <= errors_of(DATA / name)
+    assert errors_of(out) <= errors_of(real_file(name))
     assert UsdUtils.ComputeAllDependencies(str(out))[2] == []
 
 
 @pytest.mark.parametrize("name", CLIPS)
 def test_animation_of_a_clip(name):
-    stage = Usd.Stage.Open(str(DATA / name))
+    stage = Usd.Stage.Open(str(real_file(name)))
     (source,) = find_animations(stage)
     clip = read_clip(source)
     animation = animation_of(clip)
-    codes, values = read(DATA / name, prim=source.path)
+    codes, values = read(real_file(name), prim=source.path)
     np.testing.assert_allclose(animation.times, np.array(codes) / stage.GetTimeCodesPerSecond(), rtol=1e-15)
     given = quat.normalize(np.array(values, dtype=np.float64))
     assert quat.distance(animation.rotations[:, clip.columns], given).max() < 1e-15

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-from wanderings import N_JOINTS, metric, needs_clips, noise, real, wandering
+from wanderings import N_JOINTS, metric, noise, real, wandering
 
 from geomstats_anim import Animation, MetricParameters, interpolate, uniform_keyframes
 from geomstats_anim import rotations as quat
@@ -216,10 +216,9 @@ def test_nonsense_words(arguments, sentence):
         search_gradient(Objective(wandering(), KEYS), N_JOINTS, **arguments)
 
 
-@needs_clips
 @pytest.mark.slow
 @pytest.mark.parametrize("rate", [0.3, 0.1])
-@pytest.mark.parametrize("name", ["punching", "sitting"])
+@pytest.mark.parametrize("name", ["clips/punching.usda", "clips/sitting.usda"])
 def test_real_clips_reach_the_optimum_of_the_rotation_error(name, rate):
     animation = real(name)
     keys = uniform_keyframes(animation.n_frames, rate)
@@ -227,10 +226,9 @@ def test_real_clips_reach_the_optimum_of_the_rotation_error(name, rate):
     assert found.value <= 1.005 * optimum_of_rotation(animation, keys)
 
 
-@needs_clips
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["rot", "hyb"])
-@pytest.mark.parametrize("name", ["jumping", "punching", "sitting"])
+@pytest.mark.parametrize("name", ["clips/jumping.usda", "clips/punching.usda", "clips/sitting.usda"])
 def test_real_clips_gain_and_spd_is_no_worse(name, kind):
     animation = real(name)
     objective = Objective(animation, uniform_keyframes(animation.n_frames, 0.1), kind)

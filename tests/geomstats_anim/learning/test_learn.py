@@ -7,7 +7,8 @@ import re
 
 import numpy as np
 import pytest
-from wanderings import N_JOINTS, REAL, metric, needs_clips, noise, of_vectors, real, tree, wandering
+from real_files import CLIPS, needs_shared
+from wanderings import N_JOINTS, metric, noise, of_vectors, real, tree, wandering
 
 from geomstats_anim import (
     Animation,
@@ -204,11 +205,11 @@ def test_one_joint():
     assert found.provenance["score"] < found.provenance["slerp_score"]
 
 
-@needs_clips
+@needs_shared
 @pytest.mark.slow
 def test_predicting_the_second_half_of_real_clips_loses_nothing_on_average():
     losses = []
-    for name in REAL:
+    for name in CLIPS:
         clip = real(name)
         n = clip.n_frames
         first, second = clip.at_frames(slice(0, n // 2 + 1)), clip.at_frames(slice(n // 2, n))

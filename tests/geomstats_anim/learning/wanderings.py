@@ -1,19 +1,13 @@
 """Motions for the tests of learning: smooth ones of a small tree of joints, and the real clips."""
 
-from pathlib import Path
-
 import numpy as np
-import pytest
+from real_files import real_file
 
 from geomstats_anim import Animation, MetricParameters, Skeleton
 from geomstats_anim import rotations as quat
 
-CLIPS = Path(__file__).parents[4] / "shared" / "data" / "clips"
-REAL = ("jumping", "pitching", "punching", "rolling", "sitting")
 PARENTS = (-1, 0, 1, 0, 3, 3)
 N_JOINTS = len(PARENTS)
-
-needs_clips = pytest.mark.skipif(not CLIPS.is_dir(), reason=f"the real clips are not there: {CLIPS}")
 
 
 def tree():
@@ -58,10 +52,10 @@ def metric(seed=0, full=False, sides=None):
 
 
 def real(name):
-    """Read one of the real clips."""
+    """Read one of the real clips, or skip the test where it is not there."""
     from usd_tools.files.stages import open_stage
     from usd_tools.skel.clip import find_animations, read_clip
     from usd_tools.skel.resampling import animation_of
 
-    stage = open_stage(CLIPS / f"{name}.usda")
+    stage = open_stage(real_file(name))
     return animation_of(read_clip(find_animations(stage)[0]))
