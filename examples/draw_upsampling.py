@@ -18,7 +18,8 @@ from scipy.ndimage import gaussian_filter
 from geomstats_anim import Animation, interpolate, learn_metric, uniform_keyframes
 from geomstats_anim.rotations import distance
 from usd_tools.console.errors import ToolError
-from usd_tools.files.stages import check_output, open_stage
+from usd_tools.files.paths import check_output
+from usd_tools.files.stages import open_stage
 from usd_tools.skel.clip import find_animations, read_clip
 
 if TYPE_CHECKING:

@@ -20,9 +20,10 @@ from usd_tools.comparison.report.report import write_report
 from usd_tools.comparison.results import ComparedClip, named, write_rebuilt, write_results
 from usd_tools.comparison.run import measure_all
 from usd_tools.console.arguments import add_workers, share
-from usd_tools.console.errors import Messages, ToolError, run, usd_warnings
+from usd_tools.console.errors import Messages, ToolError, run
 from usd_tools.console.progress import Progress
 from usd_tools.files.folders import check_folder, made_beside
+from usd_tools.files.openusd_errors import openusd_errors, usd_warnings
 from usd_tools.learning.files import Skipped, files_in, read_clips, take_all
 from usd_tools.learning.summary import described_skipped
 from usd_tools.skel import selection
@@ -85,6 +86,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     return run(lambda: compare(args))
 
 
+@openusd_errors()
 def compare(args: argparse.Namespace) -> int:
     """Do what the arguments say."""
     messages = Messages()

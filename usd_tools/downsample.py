@@ -17,11 +17,14 @@ from pxr import Usd
 from geomstats_anim import SCHEMES, __version__
 from geomstats_anim.names import CRITERIA, FAMILIES, SELECTIONS, WITH_METRIC
 from usd_tools.console.arguments import positive_number, share, whole_number
-from usd_tools.console.errors import Messages, ToolError, run, usd_unheard, usd_warnings
+from usd_tools.console.errors import Messages, ToolError, run
 from usd_tools.console.progress import SearchProgress
 from usd_tools.downsampling import summary as downsample_report
 from usd_tools.downsampling.reduce import Reduced, Wanted, reduce_clip, verified
-from usd_tools.files.stages import check_output, open_stage, reading, same_file, write_json
+from usd_tools.files.atomic import write_json
+from usd_tools.files.openusd_errors import openusd_errors, reading, usd_unheard, usd_warnings
+from usd_tools.files.paths import check_output, same_file
+from usd_tools.files.stages import open_stage
 from usd_tools.skel import output, selection
 from usd_tools.skel.clip import find_animations, read_clip
 from usd_tools.skel.output import Output
@@ -103,6 +106,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     return run(lambda: downsample(args))
 
 
+@openusd_errors()
 def downsample(args: argparse.Namespace) -> int:
     """Do what the arguments say."""
     messages = Messages()

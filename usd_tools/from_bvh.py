@@ -20,7 +20,8 @@ from usd_tools.console.arguments import positive_number
 from usd_tools.console.errors import ToolError, run
 from usd_tools.console.progress import Progress
 from usd_tools.console.tables import counted
-from usd_tools.files.stages import check_usd_output, same_file
+from usd_tools.files.openusd_errors import openusd_errors
+from usd_tools.files.paths import check_usd_output, same_file
 from usd_tools.skel import output
 from usd_tools.skel.joint_names import joint_paths, unique
 from usd_tools.skel.new_file import Units, new_layer
@@ -59,6 +60,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     return run(lambda: convert(args))
 
 
+@openusd_errors()
 def convert(args: argparse.Namespace) -> int:
     """Do what the arguments say."""
     check_usd_output(args.out, args.usdFormat)

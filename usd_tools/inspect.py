@@ -19,9 +19,10 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom, UsdSkel
 
-from usd_tools.console.errors import Messages, ToolError, run, usd_warnings
+from usd_tools.console.errors import Messages, ToolError, run
 from usd_tools.console.tables import counted, show
-from usd_tools.files.stages import open_stage, reading
+from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
+from usd_tools.files.stages import open_stage
 from usd_tools.metrics import explain as metric_meaning
 from usd_tools.metrics.attributes import read_metric, read_source_codes, summary
 from usd_tools.metrics.explain import JointMeaning, joint_meanings, worth
@@ -54,6 +55,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     return run(lambda: inspect(args))
 
 
+@openusd_errors()
 def inspect(args: argparse.Namespace) -> int:
     """Do what the arguments say."""
     messages = Messages()

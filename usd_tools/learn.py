@@ -19,9 +19,12 @@ from geomstats_anim import __version__
 from geomstats_anim.learning.tune.tpe import TuneSettings
 from geomstats_anim.names import FAMILIES, INVARIANCE_CHOICES, KINDS, PURPOSES, SEARCHES, TRIALS, WITH_METRIC
 from usd_tools.console.arguments import add_workers, seed, share, whole_number
-from usd_tools.console.errors import Messages, ToolError, run, usd_warnings
+from usd_tools.console.errors import Messages, ToolError, run
 from usd_tools.console.progress import Progress, SearchProgress
-from usd_tools.files.stages import EXTENSIONS, check_output, open_stage, reading, same_file, write_json, written_beside
+from usd_tools.files.atomic import write_json, written_beside
+from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
+from usd_tools.files.paths import EXTENSIONS, check_output, same_file
+from usd_tools.files.stages import open_stage
 from usd_tools.learning import summary as learn_report
 from usd_tools.learning.clips import Take
 from usd_tools.learning.files import Skipped, files_in, gather, read_clips, take_all
@@ -125,6 +128,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     return run(lambda: learn(args))
 
 
+@openusd_errors()
 def learn(args: argparse.Namespace) -> int:
     """Do what the arguments say."""
     messages = Messages()

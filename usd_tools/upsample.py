@@ -17,9 +17,11 @@ from pxr import Usd
 from geomstats_anim import SCHEMES, __version__
 from geomstats_anim.names import DEFAULT_SCHEME, INVARIANCES, WITH_METRIC
 from usd_tools.console.arguments import positive_number, whole_number
-from usd_tools.console.errors import Messages, ToolError, run, usd_warnings
+from usd_tools.console.errors import Messages, ToolError, run
 from usd_tools.console.progress import Progress
-from usd_tools.files.stages import open_stage, reading, standing, write_json
+from usd_tools.files.atomic import write_json
+from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
+from usd_tools.files.stages import open_stage, standing
 from usd_tools.skel import output, selection
 from usd_tools.skel.clip import AnimationSource, SkelClip, find_animations, read_clip
 from usd_tools.skel.output import Output
@@ -99,6 +101,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     return run(lambda: upsample(args))
 
 
+@openusd_errors()
 def upsample(args: argparse.Namespace) -> int:
     """Do what the arguments say."""
     messages = Messages()

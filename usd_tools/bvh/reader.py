@@ -13,7 +13,8 @@ from scipy.spatial.transform import Rotation
 from geomstats_anim.animation import default_bone_ends
 from geomstats_anim.rotations import IDENTITY, make_continuous
 from usd_tools.bvh.text import BvhText, read_text
-from usd_tools.files.stages import check_input, temporary_folder
+from usd_tools.files.atomic import temporary_folder
+from usd_tools.files.paths import check_input
 from usd_tools.skel.frame_rates import frame_rate
 
 if TYPE_CHECKING:

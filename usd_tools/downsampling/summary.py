@@ -16,7 +16,9 @@ from usd_tools.console.errors import Messages
 from usd_tools.console.tables import counted, show
 from usd_tools.downsampling.reduce import Reduced
 from usd_tools.downsampling.thinning import Errors
-from usd_tools.files.stages import same_file, standing, written_beside
+from usd_tools.files.atomic import written_beside
+from usd_tools.files.paths import same_file
+from usd_tools.files.stages import standing
 from usd_tools.metrics.attributes import summary
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.joint_names import short_names

@@ -9,7 +9,9 @@ from pathlib import Path
 from pxr import Sdf
 
 from usd_tools.console.errors import Messages, ToolError
-from usd_tools.files.stages import EXTENSIONS, open_stage, reading, same_file
+from usd_tools.files.openusd_errors import reading
+from usd_tools.files.paths import EXTENSIONS, same_file
+from usd_tools.files.stages import open_stage
 from usd_tools.learning.clips import Take, aligned, difference, take_of
 from usd_tools.skel.clip import SkelClip, find_animations, read_clip
 from usd_tools.skel.selection import selected

@@ -14,7 +14,7 @@ from pxr import Usd
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.tables import counted
 from usd_tools.files.openusd_gaps import lost_by_flattening
-from usd_tools.files.stages import check_output, check_usd_output, same_file
+from usd_tools.files.paths import check_output, check_usd_output, same_file
 from usd_tools.skel.clip import AnimationSource
 from usd_tools.skel.frame_rates import USUAL
 from usd_tools.skel.writer import OverrideLayer, save, save_copy, save_in_place

@@ -11,7 +11,7 @@ import numpy as np
 from pxr import Sdf, Vt
 
 from geomstats_anim import Animation, LearnedMetric
-from usd_tools.console.errors import TEMPORARY
+from usd_tools.files.openusd_errors import TEMPORARY
 from usd_tools.metrics.attributes import write_metric, write_source_codes
 from usd_tools.skel.channels import CHANNELS, write_samples
 from usd_tools.skel.clip import SkelClip

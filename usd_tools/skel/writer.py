@@ -13,9 +13,12 @@ import numpy as np
 from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 
 from geomstats_anim import LearnedMetric, __version__
-from usd_tools.console.errors import TEMPORARY, Messages, ToolError, commentary
+from usd_tools.console.errors import Messages, ToolError
+from usd_tools.files.atomic import written_beside
+from usd_tools.files.openusd_errors import TEMPORARY, commentary
 from usd_tools.files.openusd_gaps import flattened, lost_by_packing, modify_asset_paths
-from usd_tools.files.stages import missing_files, relative_asset_path, written_beside
+from usd_tools.files.paths import relative_asset_path
+from usd_tools.files.stages import missing_files
 from usd_tools.metrics.attributes import NAMESPACE, write_metric, write_source_codes, write_summary
 from usd_tools.skel.channels import CHANNELS, Channel, write_samples
 from usd_tools.skel.clip import AnimationSource

@@ -301,7 +301,7 @@ def test_a_half_made_file_is_never_left(tmp_path, run, monkeypatch):
     make_rig(tmp_path / "in.usda")
     (tmp_path / "out.usda").write_text("old")
     monkeypatch.setattr(
-        "usd_tools.files.stages.os.replace", lambda *paths: (_ for _ in ()).throw(OSError(28, "No space left"))
+        "usd_tools.files.atomic.os.replace", lambda *paths: (_ for _ in ()).throw(OSError(28, "No space left"))
     )
     code, _, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2)
     assert (code, err) == (1, f"error: {tmp_path}/out.usda cannot be written: No space left.\n")

@@ -1,0 +1,96 @@
+"""OpenUSD's errors and warnings, as sentences of one line."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from pxr import Tf, UsdUtils
+
+from usd_tools.console.errors import Messages, ToolError
+
+TEMPORARY = "geomstats_anim-"
+"""How the names of temporary folders begin."""
+
+LONGEST = 400
+"""Characters of what OpenUSD says: of a broken file it may list every part."""
+
+_PACKED = re.compile(r"Failed to resolve reference @\d+/")
+"""How OpenUSD, when it packs, begins to speak of files that it has packed, by their new names; those are there."""
+
+
+def commentary(error: Tf.ErrorException) -> str:
+    """Tell in one line what OpenUSD says in several: its first error, without places in its source code."""
+    return _one_line(error.args[0]) if error.args else "OpenUSD gives no reason"
+
+
+def _one_line(diagnostic: Any) -> str:
+    try:
+        text = diagnostic.commentary
+    except UnicodeDecodeError as error:  # it quotes a file that is not UTF-8
+        text = error.object.decode(errors="replace")
+    text = text[: 100 * LONGEST]  # it may be a gigabyte long
+    # Addresses in memory and temporary folders differ from run to run, and say nothing to a user.
+    meaningless = (
+        r"\(instantiating stage on stage .*?>\)|<0x[0-9a-f]+>|pxrInternal_\w+?__(pxrReserved___)?(::)?"
+        rf"|/[^@\s]*/{TEMPORARY}\w+/|/\.[^/@\s]+\.\w{{8}}(?=/)"
+    )
+    line = " ".join(re.sub(meaningless, "", text).split())
+    return line if len(line) <= LONGEST else f"{line[:LONGEST]}..."
+
+
+@contextmanager
+def openusd_errors() -> Iterator[None]:
+    """Turn an error of OpenUSD into a `ToolError`.
+
+    Raises
+    ------
+    ToolError
+        If OpenUSD raises.
+    """
+    try:
+        yield
+    except Tf.ErrorException as error:
+        raise ToolError(commentary(error)) from error
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """Turn what OpenUSD says of a broken file into an error: much of a file is read only when it is asked for.
+
+    Raises
+    ------
+    ToolError
+        If something in it cannot be read.
+    """
+    try:
+        yield
+    except Tf.ErrorException as error:
+        raise ToolError(f"{path} cannot be read as USD: {commentary(error).rstrip('.')}.") from error
+    except UnicodeDecodeError as error:
+        raise ToolError(f"{path} cannot be read as USD: it has names that are not UTF-8.") from error
+
+
+@contextmanager
+def usd_warnings(messages: Messages) -> Iterator[None]:
+    """Turn what OpenUSD would print on stderr into warnings of our own."""
+    delegate = UsdUtils.CoalescingDiagnosticDelegate()
+    try:
+        yield
+    finally:
+        for line in map(_one_line, delegate.TakeUncoalescedDiagnostics()):
+            if not _PACKED.match(line):
+                messages.warn(line)
+
+
+@contextmanager
+def usd_unheard() -> Iterator[None]:
+    """Keep OpenUSD from printing what is told in another way, or has been already."""
+    delegate = UsdUtils.CoalescingDiagnosticDelegate()
+    try:
+        yield
+    finally:
+        delegate.TakeUncoalescedDiagnostics()
