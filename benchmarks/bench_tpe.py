@@ -25,7 +25,8 @@ from geomstats_anim import Animation, uniform_keyframes  # noqa: E402
 from geomstats_anim.learning.gradient import Found, search_gradient  # noqa: E402
 from geomstats_anim.learning.objective import Objective  # noqa: E402
 from geomstats_anim.learning.tune.ray_runtime import running  # noqa: E402
-from geomstats_anim.learning.tune.tpe import TuneSettings, search_tpe, search_tpe_joint  # noqa: E402
+from geomstats_anim.learning.tune.settings import TuneSettings  # noqa: E402
+from geomstats_anim.learning.tune.tpe import search_tpe, search_tpe_joint  # noqa: E402
 from geomstats_anim.parameters import CurveParameters  # noqa: E402
 
 

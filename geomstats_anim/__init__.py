@@ -14,8 +14,10 @@ if TYPE_CHECKING:
     from geomstats_anim.geodesics.pose_geodesics import LogResult, LogStatus
     from geomstats_anim.interpolation.schemes import SCHEMES, FallbackWarning, interpolate
     from geomstats_anim.keyframes.problem import optimal_keyframes, uniform_keyframes
-    from geomstats_anim.learning import Compressed, compress, learn_metric
-    from geomstats_anim.parameters import LearnedMetric, MetricParameters
+    from geomstats_anim.learned_metric import LearnedMetric
+    from geomstats_anim.learning.compression import Compressed, compress
+    from geomstats_anim.learning.learn import learn_metric
+    from geomstats_anim.parameters import MetricParameters
     from geomstats_anim.riemannian.pose import PoseMetric, PoseSpace, SO3InvariantMetric
 
 __all__ = [
@@ -46,8 +48,10 @@ _MODULES = {
     "geodesics.pose_geodesics": ("LogResult", "LogStatus"),
     "interpolation.schemes": ("SCHEMES", "FallbackWarning", "interpolate"),
     "keyframes.problem": ("optimal_keyframes", "uniform_keyframes"),
-    "learning": ("Compressed", "compress", "learn_metric"),
-    "parameters": ("LearnedMetric", "MetricParameters"),
+    "learned_metric": ("LearnedMetric",),
+    "learning.compression": ("Compressed", "compress"),
+    "learning.learn": ("learn_metric",),
+    "parameters": ("MetricParameters",),
     "riemannian.pose": ("PoseMetric", "PoseSpace", "SO3InvariantMetric"),
 }
 _MODULE_OF = {name: f"{__name__}.{module}" for module, names in _MODULES.items() for name in names}

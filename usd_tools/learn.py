@@ -16,7 +16,7 @@ from typing import Any
 from pxr import Usd
 
 from geomstats_anim import __version__
-from geomstats_anim.learning.tune.tpe import TuneSettings
+from geomstats_anim.learning.tune.settings import TuneSettings
 from geomstats_anim.names import FAMILIES, INVARIANCE_CHOICES, KINDS, PURPOSES, SEARCHES, TRIALS, WITH_METRIC
 from usd_tools.console.arguments import add_workers, seed, share, whole_number
 from usd_tools.console.errors import Messages, ToolError, run

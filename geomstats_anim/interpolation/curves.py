@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike
 from geomstats_anim import rotations as quat
 from geomstats_anim.animation import Animation, increasing_times
 from geomstats_anim.geodesics.pose_geodesics import LogStatus
-from geomstats_anim.parameters import LearnedMetric, MetricParameters
+from geomstats_anim.learned_metric import LearnedMetric
+from geomstats_anim.parameters import MetricParameters
 from geomstats_anim.rotations import Array
 
 Metric = MetricParameters | LearnedMetric

@@ -21,7 +21,8 @@ from geomstats_anim.interpolation.curves import (
     Squad,
 )
 from geomstats_anim.interpolation.splines import PathSpline, PoseSpline
-from geomstats_anim.parameters import CurveParameters, LearnedMetric, MetricParameters
+from geomstats_anim.learned_metric import LearnedMetric
+from geomstats_anim.parameters import CurveParameters, MetricParameters
 from geomstats_anim.rotations import Array
 
 

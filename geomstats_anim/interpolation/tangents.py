@@ -26,14 +26,11 @@ from typing import NamedTuple
 import numpy as np
 
 from geomstats_anim import rotations as quat
-from geomstats_anim.kernels.vectors import compiled
+from geomstats_anim.kernels import hermite as equations
 from geomstats_anim.rotations import Array
 
 STILL = 1e-6
 """Motion in a segment, radians or metres, that is none: what float32 makes of a constant."""
-
-_NATURAL = 0.5
-"""c'' = 0 at u = 0 where v_k - w_k^- = -(v_{k+1} - w_k^+) / 2."""
 
 
 class _Rows(NamedTuple):
@@ -139,9 +136,9 @@ class KeyVelocities:
         by_velocity[1:] += by_change[1]
         start, end = -by_change[0], -by_change[1]
         by_row = _solve(self._local.transposed, np.zeros_like(self._turn), (1.0 - self._smoothness) * by_velocity)
-        _add_right_side(self._local.sources, by_row, start, end)
+        equations.add_right_side(self._local.sources, by_row, start, end)
         by_row = _solve(self._smooth.transposed, -self._turn, self._smoothness * by_velocity)
-        _add_right_side(self._smooth.sources, by_row, start, end)
+        equations.add_right_side(self._smooth.sources, by_row, start, end)
         by_turn = quat.cross(self._smooth_velocity, by_row)[1:-1] * self._inner
         start[1:] += by_turn
         end[:-1] -= by_turn
@@ -161,120 +158,44 @@ class KeyVelocities:
         return total
 
 
-def hermite(parameter: Array) -> tuple[Array, Array]:
-    """Weights of the two bends of a segment in c, at parameters from 0 to 1."""
-    rest = 1.0 - parameter
-    return parameter * rest**2, -(parameter**2) * rest
+def hermite(parameter: Array, order: int = 0) -> tuple[Array, Array]:
+    """Return the weights of the two bends of a segment in c, or their derivatives by the parameter.
+
+    Parameters
+    ----------
+    parameter : array-like, shape=[F]
+        Share of the segment, in [0, 1].
+    order : int
+        0, 1 or 2.
+        Optional, default: 0.
+
+    Returns
+    -------
+    start, end : array-like, shape=[F]
+    """
+    u = parameter
+    if order == 0:
+        return equations.weights.py_func(u)
+    if order == 1:
+        return (1.0 - u) * (1.0 - 3.0 * u), u * (3.0 * u - 2.0)
+    return 6.0 * u - 4.0, 6.0 * u - 2.0
 
 
 def _rows(durations: Array, holds: np.ndarray, is_smooth: bool) -> _Rows:
     rows = _Rows(*(np.zeros((n, len(durations) + 1, holds.shape[1])) for n in (3, 4)))
-    _fill_rows(np.array(durations), holds, is_smooth, rows.matrix, rows.sources)
+    equations.fill_rows(np.array(durations), holds, is_smooth, rows.matrix, rows.sources)
     return rows
-
-
-@compiled
-def _fill_rows(durations, holds, is_smooth, matrix, sources):
-    n_keys, n_joints = matrix.shape[1:]
-    for k in range(n_keys):
-        for b in range(n_joints):
-            if (k > 0 and holds[k - 1, b]) or (k < n_keys - 1 and holds[k, b]):
-                # the keys of segments that do not move are at rest
-                matrix[1, k, b] = 1.0
-            elif k == 0:
-                matrix[1, k, b], matrix[2, k, b] = 1.0, _NATURAL
-                sources[2, k, b], sources[3, k, b] = 1.0, _NATURAL
-            elif k == n_keys - 1:
-                matrix[0, k, b], matrix[1, k, b] = _NATURAL, 1.0
-                sources[0, k, b], sources[1, k, b] = _NATURAL, 1.0
-            elif is_smooth:
-                before, after = 2.0 / durations[k - 1], 2.0 / durations[k]
-                matrix[0, k, b], matrix[1, k, b], matrix[2, k, b] = before, 2.0 * (before + after), after
-                sources[0, k, b], sources[1, k, b] = before, 2.0 * before
-                sources[2, k, b], sources[3, k, b] = 2.0 * after, after
-            else:
-                before, after = durations[k - 1], durations[k]
-                matrix[1, k, b] = 1.0
-                sources[1, k, b], sources[2, k, b] = after / (before + after), before / (before + after)
 
 
 def _right_side(rows: _Rows, start: Array, end: Array) -> Array:
     right = np.zeros((len(start) + 1, *start.shape[1:]))
-    _fill_right_side(rows.sources, np.array(start, order="C"), np.array(end, order="C"), right)
+    equations.fill_right_side(rows.sources, np.array(start, order="C"), np.array(end, order="C"), right)
     return right
-
-
-@compiled
-def _fill_right_side(sources, start, end, right):
-    for k in range(len(right)):
-        for b in range(right.shape[1]):
-            for i in range(3):
-                if k > 0:
-                    right[k, b, i] += sources[0, k, b] * start[k - 1, b, i] + sources[1, k, b] * end[k - 1, b, i]
-                if k < len(start):
-                    right[k, b, i] += sources[2, k, b] * start[k, b, i] + sources[3, k, b] * end[k, b, i]
-
-
-@compiled
-def _add_right_side(sources, by_row, start, end):
-    """Pull a derivative by `_right_side` back, and add it."""
-    for k in range(len(by_row)):
-        for b in range(by_row.shape[1]):
-            for i in range(3):
-                if k > 0:
-                    start[k - 1, b, i] += sources[0, k, b] * by_row[k, b, i]
-                    end[k - 1, b, i] += sources[1, k, b] * by_row[k, b, i]
-                if k < len(start):
-                    start[k, b, i] += sources[2, k, b] * by_row[k, b, i]
-                    end[k, b, i] += sources[3, k, b] * by_row[k, b, i]
 
 
 def _solve(matrix: Array, turn: Array, right: Array) -> Array:
     """Solve lower v_{k-1} + main v_k + v_k x turn_k + upper v_{k+1} = right_k for v, shape=[K, B, 3]."""
     out = np.empty_like(right)
     lower, main, upper = matrix
-    _eliminate(lower, main, upper, turn, right, out)
+    equations.eliminate(lower, main, upper, turn, right, out)
     return out
-
-
-@compiled
-def _eliminate(lower, main, upper, turn, right, out):
-    n_keys, n_joints = main.shape
-    inverse = np.zeros((n_keys, 3, 3))
-    rest = np.zeros((n_keys, 3))
-    block = np.zeros((3, 3))
-    for b in range(n_joints):
-        for k in range(n_keys):
-            x, y, z = turn[k, b]
-            block[0, 0] = block[1, 1] = block[2, 2] = main[k, b]
-            block[0, 1], block[0, 2], block[1, 2] = z, -y, x
-            block[1, 0], block[2, 0], block[2, 1] = -z, y, -x
-            for i in range(3):
-                rest[k, i] = right[k, b, i]
-            if k > 0 and lower[k, b] != 0.0:
-                for i in range(3):
-                    for j in range(3):
-                        block[i, j] -= lower[k, b] * upper[k - 1, b] * inverse[k - 1, i, j]
-                        rest[k, i] -= lower[k, b] * inverse[k - 1, i, j] * rest[k - 1, j]
-            _invert(block, inverse[k])
-        for k in range(n_keys - 1, -1, -1):
-            for i in range(3):
-                out[k, b, i] = 0.0
-            for j in range(3):
-                known = rest[k, j] - (upper[k, b] * out[k + 1, b, j] if k + 1 < n_keys else 0.0)
-                for i in range(3):
-                    out[k, b, i] += inverse[k, i, j] * known
-
-
-@compiled
-def _invert(block, inverse):
-    """Write the inverse of a 3 x 3 matrix."""
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        for column in range(3):
-            p, q = (column + 1) % 3, (column + 2) % 3
-            inverse[column, i] = block[j, p] * block[k, q] - block[j, q] * block[k, p]
-    determinant = block[0, 0] * inverse[0, 0] + block[0, 1] * inverse[1, 0] + block[0, 2] * inverse[2, 0]
-    for i in range(3):
-        for column in range(3):
-            inverse[i, column] /= determinant

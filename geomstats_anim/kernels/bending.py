@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from geomstats_anim.interpolation.tangents import hermite
+from geomstats_anim.kernels.hermite import weights
 from geomstats_anim.kernels.vectors import compiled, cross, multiply
-
-_weights = compiled(hermite)
 
 
 @compiled
 def _cubic(start, end, parameter):
-    first, second = _weights(parameter)
+    first, second = weights(parameter)
     return (
         first * start[0] + second * end[0],
         first * start[1] + second * end[1],
@@ -64,7 +62,7 @@ def unbend(index, parameter, start, end, cotangent, by_start, by_end, by_axes):
     """
     for f in range(len(index)):
         u, k = parameter[f], index[f]
-        first, second = _weights(u)
+        first, second = weights(u)
         for b in range(cotangent.shape[1]):
             c = _cubic(start[k, b], end[k, b], u)
             x = (cotangent[f, b, 0], cotangent[f, b, 1], cotangent[f, b, 2])
@@ -95,7 +93,7 @@ def gather(index, parameter, cotangent, by_start, by_end):
     """Pull the derivative by points, shape=[F, B, 3], that c has been added to back to one by the bends, and add it."""
     for f in range(len(index)):
         k = index[f]
-        first, second = _weights(parameter[f])
+        first, second = weights(parameter[f])
         for b in range(cotangent.shape[1]):
             for i in range(3):
                 by_start[k, b, i] += first * cotangent[f, b, i]

@@ -16,8 +16,8 @@ from geomstats_anim.interpolation.schemes import SCHEMES
 from geomstats_anim.interpolation.tangents import STILL
 from geomstats_anim.keyframes.dynamic_programming import Measure, cheapest, fewest, segment_errors
 from geomstats_anim.keyframes.local_search import Judge, judge_of, moved, thinned
+from geomstats_anim.learned_metric import LearnedMetric
 from geomstats_anim.names import CRITERIA, KINDS, LARGEST
-from geomstats_anim.parameters import LearnedMetric
 
 _WINDOW = 5
 """Usual distances of keys that one segment may span: wider ones change the outcome by less than one per cent."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,13 +13,7 @@ from geomstats_anim.criteria import quality
 from geomstats_anim.interpolation.schemes import SCHEMES
 from geomstats_anim.interpolation.tangents import STILL
 from geomstats_anim.keyframes.problem import uniform_keyframes
-from geomstats_anim.parameters import LearnedMetric
-
-_TIE = 0.005
-"""Relative difference that is called a tie."""
-
-_PERFECT = 1e-9
-"""Quality at which nothing is left to gain: rounding is all that differs below."""
+from geomstats_anim.learned_metric import LearnedMetric, Score
 
 _NEIGHBOURS = (2.0 / 3.0, 1.5)
 """Neighbouring rates, as multiples."""
@@ -28,58 +21,6 @@ _NEIGHBOURS = (2.0 / 3.0, 1.5)
 _MIN_KEYS = 3
 
 Learn = Callable[[Animation, np.ndarray], LearnedMetric]
-
-
-@dataclass(frozen=True)
-class Score:
-    """One comparison with slerp, and with the same scheme without learning.
-
-    Parameters
-    ----------
-    what : str
-        What was learned from, and what was scored.
-    in_sample : bool
-        Whether the scored frames are those it was learned from.
-    learned, slerp, plain : float
-        Quality; lower is better. The plain curve is the scheme's with the bi-invariant metric: for "geodesic", slerp.
-    """
-
-    what: str
-    in_sample: bool
-    learned: float
-    slerp: float
-    plain: float
-
-    @property
-    def rival(self) -> str:
-        """The better of what needs no learning: "slerp" or "the plain spline"."""
-        return "slerp" if self.slerp <= self.plain + _PERFECT else "the plain spline"
-
-    @property
-    def beside_rival(self) -> str:
-        """How it compares with the rival, in words."""
-        return f"{100.0 * abs(self.gain):.1f} % {'better' if self.gain >= 0.0 else 'worse'} than {self.rival}"
-
-    @property
-    def gain(self) -> float:
-        """Share of the rival's error that is saved; negative where it loses."""
-        least = min(self.slerp, self.plain)
-        return (least - self.learned) / max(least, _PERFECT)
-
-    @property
-    def ties(self) -> bool:
-        """Whether the difference is too small to matter."""
-        return abs(self.gain) <= _TIE
-
-    @property
-    def loses(self) -> bool:
-        """Whether it is worse than its rival."""
-        return self.gain < -_TIE
-
-    @property
-    def verdict(self) -> str:
-        """Say so, as in "loses to slerp"."""
-        return f"{'ties with' if self.ties else 'loses to' if self.loses else 'beats'} {self.rival}"
 
 
 def score(

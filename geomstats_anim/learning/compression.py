@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike
 from geomstats_anim.animation import Animation
 from geomstats_anim.interpolation.schemes import SCHEMES
 from geomstats_anim.keyframes.problem import KeyProblem, by_halving, uniform_keyframes
+from geomstats_anim.learned_metric import LearnedMetric
 from geomstats_anim.learning.learn import learn_metric, turns
 from geomstats_anim.names import SELECTIONS, WITH_METRIC
-from geomstats_anim.parameters import LearnedMetric
 
 _ROUNDS = 3
 """Most times that a metric is learned for the fewest keys so far, and keys are removed under it."""

@@ -16,14 +16,15 @@ from geomstats_anim.animation import Animation
 from geomstats_anim.criteria import quality
 from geomstats_anim.interpolation.schemes import SCHEMES
 from geomstats_anim.interpolation.tangents import STILL
+from geomstats_anim.learned_metric import LearnedMetric
 from geomstats_anim.learning.gradient import Found, Learnable, search_gradient
 from geomstats_anim.learning.objective import Objective
 from geomstats_anim.learning.shrinkage import Fold, blocks, shrink
 from geomstats_anim.names import PURPOSES, SEARCHES, WITH_METRIC
-from geomstats_anim.parameters import CurveParameters, LearnedMetric
+from geomstats_anim.parameters import CurveParameters
 
 if TYPE_CHECKING:
-    from geomstats_anim.learning.tune.tpe import TuneSettings
+    from geomstats_anim.learning.tune.settings import TuneSettings
 
 
 def learn_metric(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-from geomstats_anim.learning.assessment import Score
+from geomstats_anim.learned_metric import Score
 from usd_tools.console.errors import Messages
 from usd_tools.console.tables import counted, show
 from usd_tools.learning.files import Skipped

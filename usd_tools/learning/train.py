@@ -11,8 +11,9 @@ import numpy as np
 
 from geomstats_anim import SCHEMES, Animation, LearnedMetric, learn_metric, uniform_keyframes
 from geomstats_anim.criteria import rotation_errors
-from geomstats_anim.learning.assessment import Score, assess
-from geomstats_anim.learning.tune.tpe import TuneSettings
+from geomstats_anim.learned_metric import Score
+from geomstats_anim.learning.assessment import assess
+from geomstats_anim.learning.tune.settings import TuneSettings
 from geomstats_anim.parameters import CurveParameters
 from usd_tools.console.errors import ToolError
 from usd_tools.learning.clips import Take

@@ -9,7 +9,7 @@ import numpy as np
 from pxr import Sdf, Usd, Vt
 
 from geomstats_anim import LearnedMetric, MetricParameters
-from geomstats_anim.parameters import FORMAT_VERSION
+from geomstats_anim.learned_metric import FORMAT_VERSION
 from usd_tools.console.errors import ToolError
 from usd_tools.console.tables import counted
 

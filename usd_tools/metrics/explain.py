@@ -10,7 +10,7 @@ import numpy as np
 
 from geomstats_anim import LearnedMetric
 from geomstats_anim import rotations as quat
-from geomstats_anim.learning.assessment import Score
+from geomstats_anim.learned_metric import Score
 from geomstats_anim.rotations import Array
 
 BY_JOINT = "by_joint"

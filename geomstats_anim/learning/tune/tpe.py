@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
@@ -19,12 +18,10 @@ from geomstats_anim.learning.clips import Corpus
 from geomstats_anim.learning.gradient import BOUND, Found, Learnable, check_words
 from geomstats_anim.learning.objective import Objective
 from geomstats_anim.learning.tune.ray_runtime import require
+from geomstats_anim.learning.tune.settings import JOINT_WINDOW, TuneSettings
 from geomstats_anim.names import INVARIANCES, JOINT_TRIALS
 from geomstats_anim.parameters import CurveParameters, MetricParameters
 from geomstats_anim.rotations import Array
-
-WINDOW, JOINT_WINDOW = 250, 40
-"""Trials without improvement that end the search over all joints at once, and that of a joint."""
 
 STARTUP = 20
 """Random points before the first that HyperOpt derives from the others."""
@@ -37,59 +34,6 @@ _AXES_BOUND = np.pi / 2.0  # further turns only exchange or reverse axes, and al
 Point = dict[str, Any]
 """One value a label: log_alpha_B, log_beta_B, axis_x_B, axis_y_B, axis_z_B a number, side_B or side a word; for
 a spline bend_B and path_bend_B, by how much the tensions are above 1."""
-
-
-@dataclass(frozen=True)
-class TuneSettings:
-    """How a TPE search runs.
-
-    Parameters
-    ----------
-    trials : int
-        Most evaluations: of the objective for "tpe-joint", of each joint for "tpe".
-        Optional, default: None, 1000 for "tpe-joint" and 100 for "tpe".
-    window : int
-        Stop when the last so many trials have brought no improvement; 0 never does.
-        Optional, default: None, 250 for "tpe-joint" and 40 for "tpe".
-    threshold : float
-        Least improvement that counts, as a share of the value.
-        Optional, default: 1e-3.
-    folder : Path
-        Where "tpe-joint" leaves its results, for TensorBoard and `ray.tune.ExperimentAnalysis`.
-        Optional, default: None, a temporary folder that is removed.
-    resume : bool
-        Go on with the run in `folder` that was interrupted.
-        Optional, default: False.
-    address : str
-        Of a Ray cluster; see `ray_runtime.running`.
-        Optional, default: None, a local instance.
-    cpus : int
-        Workers of Ray.
-        Optional, default: None; 1 on a local instance, so that the same seed gives the same result.
-    wandb : str
-        Project of Weights & Biases to log to; needs the extra `wandb`.
-        Optional, default: None.
-    """
-
-    trials: int | None = None
-    window: int | None = None
-    threshold: float = 1e-3
-    folder: Path | None = None
-    resume: bool = False
-    address: str | None = None
-    cpus: int | None = None
-    wandb: str | None = None
-
-    def __post_init__(self) -> None:
-        """Check the numbers."""
-        if self.trials is not None and self.trials < 1:
-            raise ValueError(f"There must be at least one trial, but trials is {self.trials}.")
-        if self.window is not None and self.window < 0:
-            raise ValueError(f"window must be at least 0, but it is {self.window}.")
-        if not self.threshold >= 0.0:
-            raise ValueError(f"threshold must be at least 0, but it is {self.threshold}.")
-        if self.resume and self.folder is None:
-            raise ValueError("To resume a search, name its folder.")
 
 
 class Convergence:

@@ -24,16 +24,8 @@ from ray.tune.search.hyperopt import HyperOptSearch
 from geomstats_anim.learning.gradient import Learnable
 from geomstats_anim.learning.tune.loggers import file_loggers, wandb_logger
 from geomstats_anim.learning.tune.ray_runtime import running
-from geomstats_anim.learning.tune.tpe import (
-    STARTUP,
-    WINDOW,
-    Convergence,
-    Point,
-    Space,
-    TuneSettings,
-    as_document,
-    point_of,
-)
+from geomstats_anim.learning.tune.settings import WINDOW, TuneSettings
+from geomstats_anim.learning.tune.tpe import STARTUP, Convergence, Point, Space, as_document, point_of
 from geomstats_anim.names import TRIALS
 
 METRIC, MODE = "quality", "min"

@@ -5,7 +5,8 @@ import pytest
 from wanderings import N_JOINTS, metric, noise, of_vectors, wandering
 
 from geomstats_anim import LearnedMetric, MetricParameters, interpolate, learn_metric, quality, uniform_keyframes
-from geomstats_anim.learning.assessment import Score, assess, score
+from geomstats_anim.learned_metric import Score
+from geomstats_anim.learning.assessment import assess, score
 
 
 def learned(animation, parameters, kind="hyb"):

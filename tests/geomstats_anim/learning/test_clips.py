@@ -13,7 +13,8 @@ from geomstats_anim.learning.clips import Corpus
 from geomstats_anim.learning.gradient import search_gradient
 from geomstats_anim.learning.objective import Objective
 from geomstats_anim.learning.tune import ray_runtime
-from geomstats_anim.learning.tune.tpe import TuneSettings, search_tpe
+from geomstats_anim.learning.tune.settings import TuneSettings
+from geomstats_anim.learning.tune.tpe import search_tpe
 from geomstats_anim.parameters import CurveParameters
 
 METRIC = MetricParameters([2.0, 0.5, 3.0], [0.3, 1.0, 2.0], None, ("left", "right", "right"))

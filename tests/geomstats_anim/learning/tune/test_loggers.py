@@ -8,7 +8,8 @@ import pytest
 from swings import N_JOINTS, objective_of
 
 from geomstats_anim.learning.tune import ray_runtime
-from geomstats_anim.learning.tune.tpe import TuneSettings, search_tpe_joint
+from geomstats_anim.learning.tune.settings import TuneSettings
+from geomstats_anim.learning.tune.tpe import search_tpe_joint
 
 
 def search(folder, **settings):

@@ -10,7 +10,8 @@ from geomstats_anim.learning.clips import Corpus
 from geomstats_anim.learning.gradient import search_gradient
 from geomstats_anim.learning.objective import Objective
 from geomstats_anim.learning.tune import ray_runtime
-from geomstats_anim.learning.tune.tpe import Convergence, Space, TuneSettings, search_tpe, search_tpe_joint
+from geomstats_anim.learning.tune.settings import TuneSettings
+from geomstats_anim.learning.tune.tpe import Convergence, Space, search_tpe, search_tpe_joint
 from geomstats_anim.parameters import CurveParameters
 
 

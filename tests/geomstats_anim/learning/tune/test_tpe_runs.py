@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 from swings import N_JOINTS, objective_of
 
-from geomstats_anim.learning.tune.tpe import TuneSettings, search_tpe_joint
+from geomstats_anim.learning.tune.settings import TuneSettings
+from geomstats_anim.learning.tune.tpe import search_tpe_joint
 
 pytestmark = pytest.mark.slow
 
@@ -21,7 +22,8 @@ HERE = Path(__file__).parents[1]
 RUN = """
 import signal, sys
 from swings import N_JOINTS, objective_of
-from geomstats_anim.learning.tune.tpe import TuneSettings, search_tpe_joint
+from geomstats_anim.learning.tune.settings import TuneSettings
+from geomstats_anim.learning.tune.tpe import search_tpe_joint
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have started us with Ctrl+C ignored
 settings = TuneSettings(trials=int(sys.argv[2]), folder=sys.argv[1], resume=len(sys.argv) > 3)
