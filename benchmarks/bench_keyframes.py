@@ -35,7 +35,8 @@ from geomstats_anim import (  # noqa: E402
 )
 from geomstats_anim.criteria import location_errors  # noqa: E402
 from usd_tools.files.stages import open_stage  # noqa: E402
-from usd_tools.skel.clip import find_animations, read_clip  # noqa: E402
+from usd_tools.skel.clip import read_clip  # noqa: E402
+from usd_tools.skel.find import find_animations  # noqa: E402
 from usd_tools.skel.resampling import animation_of  # noqa: E402
 
 FILES = (*(f"clips/{name}.usda" for name in ("jumping", "pitching", "punching", "rolling", "sitting")),

@@ -49,7 +49,8 @@ CORPUS_CLIPS, CORPUS_FRAMES, CORPUS_BAR = 20, 300, 60.0
 def read(path: Path) -> Animation:
     """Read the first animation of a file."""
     from usd_tools.files.stages import open_stage
-    from usd_tools.skel.clip import find_animations, read_clip
+    from usd_tools.skel.clip import read_clip
+    from usd_tools.skel.find import find_animations
     from usd_tools.skel.resampling import animation_of
 
     stage = open_stage(path)

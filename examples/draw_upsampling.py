@@ -20,7 +20,8 @@ from geomstats_anim.rotations import distance
 from usd_tools.console.errors import ToolError
 from usd_tools.files.paths import check_output
 from usd_tools.files.stages import open_stage
-from usd_tools.skel.clip import find_animations, read_clip
+from usd_tools.skel.clip import read_clip
+from usd_tools.skel.find import find_animations
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -19,14 +19,13 @@ from usd_tools.comparison.cells import RATES, Contender, Outcome, Row, cells
 from usd_tools.comparison.report.report import write_report
 from usd_tools.comparison.results import ComparedClip, named, write_rebuilt, write_results
 from usd_tools.comparison.run import measure_all
-from usd_tools.console.arguments import add_workers, share
-from usd_tools.console.errors import Messages, ToolError, run
+from usd_tools.console.arguments import add_prim, add_workers, share
+from usd_tools.console.errors import Messages, ToolError, print_warning, run
 from usd_tools.console.progress import Progress
 from usd_tools.files.folders import check_folder, made_beside
 from usd_tools.files.openusd_errors import openusd_errors, usd_warnings
 from usd_tools.learning.files import Skipped, files_in, read_clips, take_all
 from usd_tools.learning.summary import described_skipped
-from usd_tools.skel import selection
 
 TOOL = "usd_tools.compare"
 CONTENTS = ("figures", "index.html", "results.csv", "results.json", "usd")
@@ -76,7 +75,7 @@ def parser() -> argparse.ArgumentParser:
         help="what learning minimises: places of bone ends (loc), angles of joints (rot), or half of each (default)",
     )
     add_workers(parse)
-    selection.add_option(parse)
+    add_prim(parse)
     return parse
 
 
@@ -89,7 +88,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 @openusd_errors()
 def compare(args: argparse.Namespace) -> int:
     """Do what the arguments say."""
-    messages = Messages()
+    messages = Messages(print_warning)
     check_folder(args.out, TOOL, CONTENTS, ())
     with usd_warnings(messages):
         clips, skipped = _read(args, messages)

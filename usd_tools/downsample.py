@@ -16,8 +16,8 @@ from pxr import Usd
 
 from geomstats_anim import SCHEMES, __version__
 from geomstats_anim.names import CRITERIA, FAMILIES, SELECTIONS, WITH_METRIC
-from usd_tools.console.arguments import positive_number, share, whole_number
-from usd_tools.console.errors import Messages, ToolError, run
+from usd_tools.console.arguments import add_output, add_prim, positive_number, share, time_codes, whole_number
+from usd_tools.console.errors import Messages, ToolError, print_warning, run
 from usd_tools.console.progress import SearchProgress
 from usd_tools.downsampling import summary as downsample_report
 from usd_tools.downsampling.reduce import Reduced, Wanted, reduce_clip, verified
@@ -25,10 +25,9 @@ from usd_tools.files.atomic import write_json
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_unheard, usd_warnings
 from usd_tools.files.paths import check_output, same_file
 from usd_tools.files.stages import open_stage
-from usd_tools.skel import output, selection
-from usd_tools.skel.clip import find_animations, read_clip
+from usd_tools.skel.clip import read_clip
+from usd_tools.skel.find import find_animations, select_animations
 from usd_tools.skel.output import Output
-from usd_tools.skel.time_codes import TimeCodes
 
 TOOL = "usd_tools.downsample"
 
@@ -59,7 +58,7 @@ def parser() -> argparse.ArgumentParser:
     parse.add_argument(
         "--keep",
         metavar="T",
-        type=TimeCodes,
+        type=time_codes,
         help="samples that must stay: time codes with commas between them, or a text file of them; say '--keep=-7,-3' "
         "where the first is below zero",
     )
@@ -81,8 +80,8 @@ def parser() -> argparse.ArgumentParser:
         help="what --rate and --keys make least: distances of bone ends (loc), angles of joints (rot), half of each "
         "(hyb, the default), or the largest distance (max), which is what --tolerance is about",
     )
-    selection.add_option(parse)
-    output.add_options(parse)
+    add_prim(parse)
+    add_output(parse)
     parse.add_argument("--report", metavar="FILE", type=Path, help="write all errors, joint by joint, as JSON")
     parse.add_argument(
         "--picture", metavar="FILE", type=Path, help="draw the samples kept over the motion's speed: .png, .svg or .pdf"
@@ -109,7 +108,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 @openusd_errors()
 def downsample(args: argparse.Namespace) -> int:
     """Do what the arguments say."""
-    messages = Messages()
+    messages = Messages(print_warning)
     target = Output.of(args, args.input)
     target.check()
     _check_picture(args, target)
@@ -118,7 +117,7 @@ def downsample(args: argparse.Namespace) -> int:
     target.check_layers(stage)
     size_before = args.input.stat().st_size
     with usd_warnings(messages), reading(args.input):
-        sources = selection.selected(args.input, find_animations(stage), args.prim)
+        sources = select_animations(args.input, find_animations(stage), args.prim)
         target = target.without_source(sources)
         wanted = Wanted.of(args)
         reduced = []

@@ -16,7 +16,7 @@ import numpy as np
 from geomstats_anim import Animation, Skeleton
 from geomstats_anim.rotations import IDENTITY
 from usd_tools.bvh.reader import Bvh, read_bvh
-from usd_tools.console.arguments import positive_number
+from usd_tools.console.arguments import add_format, positive_number
 from usd_tools.console.errors import ToolError, run
 from usd_tools.console.progress import Progress
 from usd_tools.console.tables import counted
@@ -50,7 +50,7 @@ def parser() -> argparse.ArgumentParser:
     parse.add_argument("--fps", metavar="F", type=positive_number, help="play F frames a second, whatever IN says")
     parse.add_argument("--skip-first", action="store_true", help="leave out the first frame, often a pose at rest")
     parse.add_argument("--up", choices=("Y", "Z"), default="Y", help="axis of IN that points up; default: Y")
-    output.add_format(parse)
+    add_format(parse)
     return parse
 
 

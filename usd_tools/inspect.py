@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom, UsdSkel
 
-from usd_tools.console.errors import Messages, ToolError, run
+from usd_tools.console.errors import Messages, ToolError, print_warning, run
 from usd_tools.console.tables import counted, show
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
 from usd_tools.files.stages import open_stage
@@ -27,7 +27,8 @@ from usd_tools.metrics import explain as metric_meaning
 from usd_tools.metrics.attributes import read_metric, read_source_codes, summary
 from usd_tools.metrics.explain import JointMeaning, joint_meanings, worth
 from usd_tools.skel.channels import Channel
-from usd_tools.skel.clip import AnimationSource, SkelClip, find_animations, names_in, read_clip
+from usd_tools.skel.clip import SkelClip, names_in, read_clip
+from usd_tools.skel.find import AnimationSource, find_animations
 from usd_tools.skel.rotation_checks import (
     WIDE_DEGREES,
     count_not_unit,
@@ -58,7 +59,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 @openusd_errors()
 def inspect(args: argparse.Namespace) -> int:
     """Do what the arguments say."""
-    messages = Messages()
+    messages = Messages(print_warning)
     with usd_warnings(messages), reading(args.input):
         stage = open_stage(args.input)
         described = describe(stage, args.input, messages)

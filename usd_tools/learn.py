@@ -18,8 +18,8 @@ from pxr import Usd
 from geomstats_anim import __version__
 from geomstats_anim.learning.tune.settings import TuneSettings
 from geomstats_anim.names import FAMILIES, INVARIANCE_CHOICES, KINDS, PURPOSES, SEARCHES, TRIALS, WITH_METRIC
-from usd_tools.console.arguments import add_workers, seed, share, whole_number
-from usd_tools.console.errors import Messages, ToolError, run
+from usd_tools.console.arguments import add_output, add_prim, add_workers, seed, share, whole_number
+from usd_tools.console.errors import Messages, ToolError, print_warning, run
 from usd_tools.console.progress import Progress, SearchProgress
 from usd_tools.files.atomic import write_json, written_beside
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
@@ -29,7 +29,6 @@ from usd_tools.learning import summary as learn_report
 from usd_tools.learning.clips import Take
 from usd_tools.learning.files import Skipped, files_in, gather, read_clips, take_all
 from usd_tools.learning.train import PAPERS_RATE, Lesson, Recipe, teach
-from usd_tools.skel import output, selection
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.output import Output, check_report
 
@@ -96,11 +95,11 @@ def parser() -> argparse.ArgumentParser:
     )
     parse.add_argument("--weights", choices=("depth",), help="weigh joints by their depth, as the papers do")
     parse.add_argument("--seed", metavar="N", type=seed, default=0, help="of the TPE searches; default: 0")
-    selection.add_option(parse)
+    add_prim(parse)
     parse.add_argument(
         "--skip-mismatched", action="store_true", help="go on without animations of another rig than the first"
     )
-    output.add_options(parse)
+    add_output(parse)
     parse.add_argument("--report", metavar="FILE", type=Path, help="write all scores, joint by joint too, as JSON")
     parse.add_argument("-v", "--verbose", action="store_true", help="say what the metric means for each joint")
     tune = parse.add_argument_group("TPE searches and Ray", "They need: pip install 'geomstats-anim[tune]'")
@@ -131,7 +130,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 @openusd_errors()
 def learn(args: argparse.Namespace) -> int:
     """Do what the arguments say."""
-    messages = Messages()
+    messages = Messages(print_warning)
     if args.out is not None and args.out.suffix == ".json":
         return _learn_json(args, messages)
     return _learn_usd(args, messages)

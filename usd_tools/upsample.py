@@ -16,17 +16,18 @@ from pxr import Usd
 
 from geomstats_anim import SCHEMES, __version__
 from geomstats_anim.names import DEFAULT_SCHEME, INVARIANCES, WITH_METRIC
-from usd_tools.console.arguments import positive_number, whole_number
-from usd_tools.console.errors import Messages, ToolError, run
+from usd_tools.console.arguments import add_output, add_prim, positive_number, time_codes, whole_number
+from usd_tools.console.errors import Messages, ToolError, print_warning, run
 from usd_tools.console.progress import Progress
 from usd_tools.files.atomic import write_json
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
 from usd_tools.files.stages import open_stage, standing
-from usd_tools.skel import output, selection
-from usd_tools.skel.clip import AnimationSource, SkelClip, find_animations, read_clip
+from usd_tools.skel import output
+from usd_tools.skel.clip import SkelClip, read_clip
+from usd_tools.skel.find import AnimationSource, find_animations, select_animations
 from usd_tools.skel.output import Output
 from usd_tools.skel.resampling import Resampled, at_rate, resample, subdivided, with_codes
-from usd_tools.skel.time_codes import SOURCE, TimeCodes, remembering
+from usd_tools.skel.time_codes import clips_with_source_codes, codes_for
 from usd_tools.upsampling.joint_styles import Style, parse_style
 from usd_tools.upsampling.metric import EffectiveMetric, effective_metrics
 from usd_tools.upsampling.summary import Job, described, tell, usual_rate
@@ -53,7 +54,7 @@ def parser() -> argparse.ArgumentParser:
     where.add_argument(
         "--times",
         metavar="T",
-        type=TimeCodes,
+        type=time_codes,
         help="add samples at these time codes: numbers with commas between them, a text file of numbers, or the word "
         "source: where usd_tools.downsample removed them; where the first number is below zero, say '--times=-7.5,-3'",
     )
@@ -82,8 +83,8 @@ def parser() -> argparse.ArgumentParser:
         default=[],
         help="for joints whose name matches: 'PATTERN:alpha=4,beta=.5,invariance=right'; repeatable, the last wins",
     )
-    selection.add_option(parse)
-    output.add_options(parse)
+    add_prim(parse)
+    add_output(parse)
     parse.add_argument("--dry-run", action="store_true", help="do all but write OUT")
     parse.add_argument("--report", metavar="FILE", type=Path, help="write what was done as JSON")
     parse.add_argument("-v", "--verbose", action="store_true", help="say more, and warn of doubtful steps")
@@ -104,7 +105,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 @openusd_errors()
 def upsample(args: argparse.Namespace) -> int:
     """Do what the arguments say."""
-    messages = Messages()
+    messages = Messages(print_warning)
     target = Output.of(args, args.input)
     target.check()
     if args.retime and args.in_place:
@@ -113,9 +114,9 @@ def upsample(args: argparse.Namespace) -> int:
         stage = open_stage(args.input)
     target.check_layers(stage)
     with usd_warnings(messages), reading(args.input):
-        clips = _animated(args.input, selection.selected(args.input, find_animations(stage), args.prim), messages)
-        if args.times is not None and args.times.text == SOURCE:
-            clips = remembering(clips, messages)
+        clips = _animated(args.input, select_animations(args.input, find_animations(stage), args.prim), messages)
+        if args.times is not None and args.times.codes is None:
+            clips = clips_with_source_codes(clips, messages)
         styles = [Style("*", args.alpha, args.beta, args.invariance), *args.joint]
         if styles[0] == Style("*"):
             del styles[0]
@@ -169,7 +170,7 @@ def _check_schemes(args: argparse.Namespace, clips: Sequence[SkelClip], metrics:
 
 def _target_codes(args: argparse.Namespace, clip: SkelClip, messages: Messages) -> np.ndarray:
     """Time codes of the output's samples."""
-    times = np.zeros(0) if args.times is None else args.times.of(clip)
+    times = np.zeros(0) if args.times is None else codes_for(clip, args.times)
     n_added = {
         "factor": lambda: len(clip.codes) * (args.factor - 1),
         "fps": lambda: (clip.codes[-1] - clip.codes[0]) / clip.codes_per_second * args.fps,

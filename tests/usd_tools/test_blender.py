@@ -13,7 +13,8 @@ from scipy.spatial.transform import Rotation
 from geomstats_anim import rotations as quat
 from usd_tools.bvh.reader import read_bvh
 from usd_tools.metrics.attributes import NAMESPACE, SUMMARY
-from usd_tools.skel.clip import find_animations, read_clip
+from usd_tools.skel.clip import read_clip
+from usd_tools.skel.find import find_animations
 from usd_tools.skel.resampling import animation_of
 
 pytestmark = pytest.mark.slow

@@ -14,7 +14,8 @@ from rigs import read
 
 from geomstats_anim.kinematics import world_pose
 from usd_tools.bvh.reader import read_bvh
-from usd_tools.skel.clip import find_animations, read_clip
+from usd_tools.skel.clip import read_clip
+from usd_tools.skel.find import find_animations
 from usd_tools.skel.joint_names import joint_paths, unique
 from usd_tools.skel.new_file import ANIMATION, SKELETON
 from usd_tools.skel.resampling import animation_of

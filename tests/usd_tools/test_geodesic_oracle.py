@@ -10,7 +10,8 @@ from scipy.integrate import solve_ivp
 from geomstats_anim import MetricParameters
 from geomstats_anim import rotations as quat
 from geomstats_anim.geodesics.pose_geodesics import LogStatus, PoseGeodesics
-from usd_tools.skel.clip import find_animations, read_clip
+from usd_tools.skel.clip import read_clip
+from usd_tools.skel.find import find_animations
 
 FACTOR, MOMENTS = 4, np.array([1.0, 4.0, 0.5])
 

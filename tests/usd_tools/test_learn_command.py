@@ -16,7 +16,8 @@ from geomstats_anim.rotations import distance
 from usd_tools.console.progress import SearchProgress
 from usd_tools.console.tables import show
 from usd_tools.learning.clips import aligned, take_of
-from usd_tools.skel.clip import find_animations, read_clip
+from usd_tools.skel.clip import read_clip
+from usd_tools.skel.find import find_animations
 
 CODES = range(20)
 

@@ -13,7 +13,8 @@ from rigs import bits, read
 
 from geomstats_anim import rotations as quat
 from usd_tools.metrics.attributes import read_metric
-from usd_tools.skel.clip import find_animations, read_clip
+from usd_tools.skel.clip import read_clip
+from usd_tools.skel.find import find_animations
 from usd_tools.skel.resampling import animation_of
 
 ANIMATED = [name for name, row in TABLE.items() if row.upsample is None]

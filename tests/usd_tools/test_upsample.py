@@ -17,7 +17,8 @@ from geomstats_anim import rotations as quat
 from geomstats_anim.interpolation.curves import Fallback, Slerp
 from usd_tools.console.progress import Progress
 from usd_tools.files.paths import relative_asset_path
-from usd_tools.skel.clip import find_animations, read_clip
+from usd_tools.skel.clip import read_clip
+from usd_tools.skel.find import find_animations
 
 
 @pytest.mark.parametrize("scheme", list(SCHEMES))

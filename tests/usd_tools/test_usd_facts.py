@@ -8,7 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from geomstats_anim import rotations as quat
 from usd_tools.skel.channels import CHANNELS
-from usd_tools.skel.clip import find_animations, read_clip
+from usd_tools.skel.clip import read_clip
+from usd_tools.skel.find import find_animations
 
 
 def clip_of(path):

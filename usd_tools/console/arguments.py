@@ -1,9 +1,11 @@
-"""Numbers from the command line, each checked where it is parsed."""
+"""Options that several commands share, and values checked where they are parsed; imports nothing that is slow."""
 
 from __future__ import annotations
 
 import argparse
 import math
+from dataclasses import dataclass
+from pathlib import Path
 
 
 def positive_number(text: str) -> float:
@@ -53,3 +55,74 @@ def add_workers(parse: argparse._ActionsContainer) -> None:
     """Add `--address` and `--cpus` to a parser, or to a group of one."""
     parse.add_argument("--address", metavar="HOST:PORT", help="of a Ray cluster; default: RAY_ADDRESS, else none")
     parse.add_argument("--cpus", metavar="N", type=whole_number, help="workers; more than one starts Ray; default: 1")
+
+
+SOURCE = "source"
+"""The word for the samples that an animation had before it was downsampled."""
+
+
+@dataclass(frozen=True)
+class TimeCodes:
+    """Time codes asked for on the command line.
+
+    Parameters
+    ----------
+    codes : tuple of float or None
+        None for those of `SOURCE`, which the animation itself stores.
+    text : str
+        How they were given, without folders of this machine.
+    """
+
+    codes: tuple[float, ...] | None
+    text: str
+
+
+def time_codes(text: str) -> TimeCodes:
+    """Parse numbers separated by commas, the name of a text file of numbers, or `SOURCE`."""
+    if text == SOURCE:
+        return TimeCodes(None, text)
+    try:
+        return TimeCodes(_numbers(text), text)
+    except ValueError:
+        pass
+    try:
+        return TimeCodes(_numbers(Path(text).read_text(encoding="utf-8")), Path(text).name)
+    except (OSError, ValueError):
+        raise argparse.ArgumentTypeError(
+            f"must be finite numbers with commas between them, or a file of such, not {text!r}"
+        ) from None
+
+
+def _numbers(text: str) -> tuple[float, ...]:
+    numbers = tuple(float(word) for word in text.replace(",", " ").split())
+    if not numbers or not all(map(math.isfinite, numbers)):
+        raise ValueError(text)
+    return numbers
+
+
+def add_prim(parse: argparse._ActionsContainer) -> None:
+    """Add `--prim`, which chooses animations."""
+    parse.add_argument(
+        "--prim",
+        metavar="PATH",
+        action="append",
+        default=[],
+        help="only this SkelAnimation or Skeleton, or those below this prim; may be repeated; default: all",
+    )
+
+
+def add_output(parse: argparse._ActionsContainer) -> None:
+    """Add the options that say how a USD file is written."""
+    parse.add_argument(
+        "-f",
+        "--flatten",
+        action="store_true",
+        help="write one file that does not need the source, but for textures, which stay where they are",
+    )
+    add_format(parse)
+    parse.add_argument("--in-place", action="store_true", help="change IN itself")
+
+
+def add_format(parse: argparse._ActionsContainer) -> None:
+    """Add the option for the format of a name that does not tell it."""
+    parse.add_argument("--usdFormat", choices=("usda", "usdc"), help="for an OUT that ends in .usd; default: usdc")

@@ -12,16 +12,34 @@ class ToolError(Exception):
 
 
 class Messages:
-    """Warnings of one run: each is printed once on stderr, and kept for the report."""
+    """Warnings of one run, each kept once.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    listener : callable
+        Called with each new warning.
+        Optional, default: nobody listens.
+
+    Attributes
+    ----------
+    warnings : list of str
+    """
+
+    def __init__(self, listener: Callable[[str], None] | None = None) -> None:
         self.warnings: list[str] = []
+        self._listener = listener
 
     def warn(self, sentence: str) -> None:
-        """Print a warning that has not been printed before."""
+        """Keep a warning that is new, and pass it on."""
         if sentence not in self.warnings:
             self.warnings.append(sentence)
-            print(f"warning: {sentence}", file=sys.stderr)
+            if self._listener is not None:
+                self._listener(sentence)
+
+
+def print_warning(sentence: str) -> None:
+    """Print a warning on stderr: the listener of the command line."""
+    print(f"warning: {sentence}", file=sys.stderr)
 
 
 def run(command: Callable[[], int]) -> int:

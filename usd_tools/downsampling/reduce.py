@@ -16,13 +16,15 @@ from geomstats_anim.criteria import location_errors
 from geomstats_anim.keyframes.problem import KeyProblem, by_halving
 from geomstats_anim.learning.compression import Compressed
 from geomstats_anim.names import LARGEST
+from usd_tools.console.arguments import TimeCodes
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.downsampling.thinning import Errors, Thinning, aligned, restored
 from usd_tools.files.stages import open_stage
 from usd_tools.metrics.attributes import read_metric, read_source_codes
 from usd_tools.metrics.explain import BY_JOINT, errors_by_joint
-from usd_tools.skel.clip import SkelClip, find_animations, read_clip
-from usd_tools.skel.time_codes import TimeCodes, left_sparse
+from usd_tools.skel.clip import SkelClip, read_clip
+from usd_tools.skel.find import find_animations
+from usd_tools.skel.time_codes import codes_for, left_sparse
 
 _ROUNDING = 1e-2
 """Share of a tolerance that is left to the rounding of what is written, at most."""
@@ -178,7 +180,7 @@ def _compressed(
         return Compressed((), LearnedMetric.plain(clip.skeleton.joints, wanted.scheme))
     keep = None
     if wanted.keep is not None:
-        codes = wanted.keep.of(clip)
+        codes = codes_for(clip, wanted.keep)
         keep = thinning.frames_at(codes)
         lost = codes[~np.isin(codes, clip.codes)]
         if len(lost):

@@ -13,8 +13,8 @@ from usd_tools.files.openusd_errors import reading
 from usd_tools.files.paths import EXTENSIONS, same_file
 from usd_tools.files.stages import open_stage
 from usd_tools.learning.clips import Take, aligned, difference, take_of
-from usd_tools.skel.clip import SkelClip, find_animations, read_clip
-from usd_tools.skel.selection import selected
+from usd_tools.skel.clip import SkelClip, read_clip
+from usd_tools.skel.find import find_animations, select_animations
 from usd_tools.skel.time_codes import left_sparse
 from usd_tools.skel.writer import TOOL
 
@@ -93,7 +93,7 @@ def read_clips(path: Path, prims: Sequence[str], messages: Messages) -> list[Ske
     """
     try:
         with reading(path):
-            clips = [read_clip(source) for source in selected(path, find_animations(open_stage(path)), prims)]
+            clips = [read_clip(source) for source in select_animations(path, find_animations(open_stage(path)), prims)]
     except ToolError as error:
         raise ToolError(str(error) if str(path) in str(error) else f"{path}: {error}") from error
     for clip in clips:

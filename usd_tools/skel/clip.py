@@ -7,81 +7,20 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from pxr import Sdf, Tf, Usd, UsdGeom, UsdSkel, Vt
+from pxr import Tf, Usd, UsdGeom, UsdSkel, Vt
 
 from geomstats_anim import Animation, Skeleton
 from geomstats_anim.animation import default_bone_ends
 from geomstats_anim.rotations import IDENTITY, normalize
 from usd_tools.console.errors import ToolError
 from usd_tools.skel.channels import VALUE_CLIPS, Channel, read_channel, step_pairs
-from usd_tools.skel.variants import chosen_variants
+from usd_tools.skel.find import AnimationSource, chosen_variants
 
 JOINT_CHANNELS = ("rotations", "translations", "scales")
 """Channels of which every joint has one element."""
 
 BONE_ENDS = "geomstatsAnim:boneEnds"
 """Custom double3[] of a Skeleton: the end of each joint's bone in its own frame, in the file's unit."""
-
-
-@dataclass(frozen=True)
-class AnimationSource:
-    """A SkelAnimation on a stage, treated once however many skeletons or instances use it.
-
-    Parameters
-    ----------
-    stage : Usd.Stage
-        Kept alive, for prims die with their stage.
-    prims : tuple of Usd.Prim
-        The prim; inside instances, its proxy in each of them.
-    skeletons : tuple of Usd.Prim
-        The skeletons that it drives; none for an animation of a library.
-    """
-
-    stage: Usd.Stage
-    prims: tuple[Usd.Prim, ...]
-    skeletons: tuple[Usd.Prim, ...]
-
-    @property
-    def prim(self) -> Usd.Prim:
-        """The prim to read."""
-        return self.prims[0]
-
-    @property
-    def path(self) -> str:
-        """Path of the prim to read."""
-        return str(self.prim.GetPath())
-
-
-def find_animations(stage: Usd.Stage) -> list[AnimationSource]:
-    """Find every SkelAnimation: those that skeletons are bound to, and those of libraries.
-
-    Parameters
-    ----------
-    stage : Usd.Stage
-
-    Returns
-    -------
-    sources : list of AnimationSource
-        In the order of the stage.
-    """
-    prims: dict[Sdf.Path, list[Usd.Prim]] = {}
-    skeletons: dict[Sdf.Path, list[Usd.Prim]] = {}
-    cache = UsdSkel.Cache()
-    for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()):
-        if prim.IsA(UsdSkel.Animation):
-            prims.setdefault(_shared_path(prim), []).append(prim)
-        elif prim.IsA(UsdSkel.Skeleton):
-            query = cache.GetSkelQuery(UsdSkel.Skeleton(prim)).GetAnimQuery()
-            if query:
-                skeletons.setdefault(_shared_path(query.GetPrim()), []).append(prim)
-    for path in skeletons:
-        prims.setdefault(path, [stage.GetPrimAtPath(path)])
-    return [AnimationSource(stage, tuple(found), tuple(skeletons.get(path, ()))) for path, found in prims.items()]
-
-
-def _shared_path(prim: Usd.Prim) -> Sdf.Path:
-    """Path that is the same for all instances of a prim."""
-    return (prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim).GetPath()
 
 
 @dataclass(frozen=True, eq=False)

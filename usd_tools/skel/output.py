@@ -15,29 +15,12 @@ from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.tables import counted
 from usd_tools.files.openusd_gaps import lost_by_flattening
 from usd_tools.files.paths import check_output, check_usd_output, same_file
-from usd_tools.skel.clip import AnimationSource
+from usd_tools.skel.find import AnimationSource
 from usd_tools.skel.frame_rates import USUAL
 from usd_tools.skel.writer import OverrideLayer, save, save_copy, save_in_place
 
 _A_FEW = 5
 """Variant sets that are named; a crowd has more."""
-
-
-def add_options(parse: argparse.ArgumentParser) -> None:
-    """Add the options that say how a USD file is written."""
-    parse.add_argument(
-        "-f",
-        "--flatten",
-        action="store_true",
-        help="write one file that does not need the source, but for textures, which stay where they are",
-    )
-    add_format(parse)
-    parse.add_argument("--in-place", action="store_true", help="change IN itself")
-
-
-def add_format(parse: argparse.ArgumentParser) -> None:
-    """Add the option for the format of a name that does not tell it."""
-    parse.add_argument("--usdFormat", choices=("usda", "usdc"), help="for an OUT that ends in .usd; default: usdc")
 
 
 def written(path: Path, rate: float) -> str:

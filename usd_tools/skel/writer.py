@@ -21,7 +21,7 @@ from usd_tools.files.paths import relative_asset_path
 from usd_tools.files.stages import missing_files
 from usd_tools.metrics.attributes import NAMESPACE, write_metric, write_source_codes, write_summary
 from usd_tools.skel.channels import CHANNELS, Channel, write_samples
-from usd_tools.skel.clip import AnimationSource
+from usd_tools.skel.find import AnimationSource
 from usd_tools.skel.instancing import editable_paths
 
 TOOL = "geomstats_anim"

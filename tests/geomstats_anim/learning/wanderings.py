@@ -54,7 +54,8 @@ def metric(seed=0, full=False, sides=None):
 def real(name):
     """Read one of the real clips, or skip the test where it is not there."""
     from usd_tools.files.stages import open_stage
-    from usd_tools.skel.clip import find_animations, read_clip
+    from usd_tools.skel.clip import read_clip
+    from usd_tools.skel.find import find_animations
     from usd_tools.skel.resampling import animation_of
 
     stage = open_stage(real_file(name))

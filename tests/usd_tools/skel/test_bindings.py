@@ -5,7 +5,7 @@ import pytest
 from pxr import Sdf, Usd, UsdSkel
 from rigs import ANIMATION, JOINTS, SKELETON, bits, make_rig, random_rotations, read, set_samples
 
-from usd_tools.skel.variants import chosen_variants
+from usd_tools.skel.find import chosen_variants
 
 VERBS = {"upsample": ["--factor", 2], "downsample": ["--keys", 5], "learn": ["--rate", 0.5]}
 SOME_SLOW = ["upsample", *(pytest.param(verb, marks=pytest.mark.slow) for verb in ("downsample", "learn"))]

@@ -13,7 +13,8 @@ from usd_tools.comparison.report import player_data as player
 from usd_tools.comparison.report.scenes import Bones, flattened, scenes, upright
 from usd_tools.comparison.results import named
 from usd_tools.learning.clips import take_of
-from usd_tools.skel.clip import find_animations, read_clip
+from usd_tools.skel.clip import read_clip
+from usd_tools.skel.find import find_animations
 
 
 def unpacked(text, n_frames):
