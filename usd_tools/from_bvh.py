@@ -17,7 +17,7 @@ from geomstats_anim import Animation, Skeleton
 from geomstats_anim.rotations import IDENTITY
 from usd_tools.bvh.reader import Bvh, read_bvh
 from usd_tools.console.arguments import add_format, positive_number
-from usd_tools.console.errors import ToolError, run
+from usd_tools.console.errors import Messages, ToolError, print_warning, run
 from usd_tools.console.progress import Progress
 from usd_tools.console.tables import counted
 from usd_tools.files.openusd_errors import openusd_errors
@@ -67,18 +67,17 @@ def convert(args: argparse.Namespace) -> int:
     if same_file(args.out, [args.input]):
         raise ToolError(f"--out {args.out} is the input itself; choose another name.")
     with Progress(3, "Reading") as progress:
-        bvh = read_bvh(args.input)
+        bvh = read_bvh(args.input, args.fps, Messages(print_warning).warn)
         animation = _animation(bvh, args)
-        rate = args.fps or bvh.rate
         progress.advance(1, "Converting")
-        layer = new_layer(animation, unique(bvh.names), Units(args.scale, args.up, rate))
+        layer = new_layer(animation, unique(bvh.names), Units(args.scale, args.up, bvh.rate))
         layer.customLayerData = made_by(TOOL, _settings(args))
         progress.advance(1, "Writing")
         save_layer(layer, args.out, args.usdFormat)
     height = _height(bvh, "XYZ".index(args.up)) * args.scale
     joints, frames = counted(animation.n_joints, "joint"), counted(animation.n_frames, "frame")
     print(f"{args.input}: {joints}, {height:.3g} m high at rest; {frames}.")
-    print(output.written(args.out, rate))
+    print(output.written(args.out, bvh.rate))
     return 0
 
 

@@ -3,6 +3,11 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from geomstats_anim.kinematics import world_pose
+from usd_tools.skel.clip import read_clip
+from usd_tools.skel.find import find_animations
+from usd_tools.skel.resampling import animation_of
+
 MIXED = """HIERARCHY
 ROOT Hips
 {
@@ -132,3 +137,18 @@ def placed(text):
         if joint["ends"]
     }
     return [joint["name"] for joint in joints], np.stack([joint["place"] for joint in joints], axis=1), ends
+
+
+def clip_of(stage):
+    (source,) = find_animations(stage)
+    return read_clip(source)
+
+
+def check_against_oracle(stage, text, scale):
+    """Joints and bone ends of a stage are where the numbers of a BVH file put them."""
+    names, places, ends = placed(text)
+    pose = world_pose(animation_of(clip_of(stage)))
+    size = scale * np.abs(places).max()
+    np.testing.assert_allclose(pose.origins, scale * places, rtol=0, atol=1e-6 * size)
+    for name, end in ends.items():
+        np.testing.assert_allclose(pose.ends[:, names.index(name)], scale * end, rtol=0, atol=1e-6 * size)

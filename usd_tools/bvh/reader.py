@@ -2,35 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
+from geomstats_anim import rotations as quat
 from geomstats_anim.animation import default_bone_ends
-from geomstats_anim.rotations import IDENTITY, make_continuous
-from usd_tools.bvh.text import BvhText, read_text
-from usd_tools.files.atomic import temporary_folder
+from usd_tools.bvh.hierarchy import Hierarchy, read_hierarchy
+from usd_tools.bvh.lines import LineError, read_lines
+from usd_tools.bvh.motion import read_motion
+from usd_tools.console.errors import ToolError
 from usd_tools.files.paths import check_input
-from usd_tools.skel.frame_rates import frame_rate
 
-if TYPE_CHECKING:
-    from pybvh.bvhnode import BvhNode
+_CHUNK = 1 << 14
+"""Rotations that are computed at once: about what a processor's cache holds."""
 
 
 @dataclass(frozen=True, eq=False)
 class Bvh:
-    """A skeleton and its motion, lengths in the file's own unit.
+    """Skeletons and their motion, lengths in the file's own unit.
 
     Parameters
     ----------
     names : tuple of str, shape=[B]
         As in the file: they may repeat, and hold any character.
     parents : array-like of int, shape=[B]
-        Index of each joint's parent, -1 for the root, which comes first.
+        Index of each joint's parent, -1 for a root. Parents come before children.
     offsets : array-like, shape=[B, 3]
         Of each joint from its parent, at rest.
     bone_ends : array-like, shape=[B, 3]
@@ -40,7 +39,7 @@ class Bvh:
     translations : array-like, shape=[F, B, 3]
         Relative to the parent. Position channels take the place of the offset, as they do in Blender.
     rate : float
-        Frames a second.
+        Frames per second.
     """
 
     names: tuple[str, ...]
@@ -52,12 +51,18 @@ class Bvh:
     rate: float
 
 
-def read_bvh(path: Path) -> Bvh:
+def read_bvh(path: Path, rate: float | None = None, warn: Callable[[str], None] = lambda sentence: None) -> Bvh:
     """Read a BVH file.
 
     Parameters
     ----------
     path : Path
+    rate : float
+        Frames per second.
+        Optional, default: as the file says.
+    warn : callable
+        Told, in a sentence, what is wrong with the file but does no harm.
+        Optional, default: nobody is told.
 
     Returns
     -------
@@ -69,71 +74,82 @@ def read_bvh(path: Path) -> Bvh:
         If there is no such file, or it is broken; then the sentence has the number of the line.
     """
     check_input(path, "a BVH file")
-    text = read_text(path)
-    parents, offsets, bone_ends = _skeleton(_nodes(text))
+    try:
+        lines = read_lines(path)
+        tree, n_lines = read_hierarchy(lines)
+        rate, table = read_motion(lines, n_lines, tree.n_channels, rate, lambda sentence: warn(f"{path}, {sentence}"))
+    except LineError as error:
+        raise ToolError(f"{path}, {error}") from None
+    offsets = np.array(tree.offsets)
     return Bvh(
-        tuple(text.names),
-        parents,
+        tuple(tree.names),
+        np.array(tree.parents, dtype=np.intp),
         offsets,
-        bone_ends,
-        _rotations(text),
-        _translations(text, offsets),
-        frame_rate(text.frame_time),
+        _bone_ends(tree),
+        _rotations(tree, table),
+        _translations(tree, table),
+        rate,
     )
 
 
-def _nodes(text: BvhText) -> list[BvhNode]:
-    """Have pybvh read the tree: joints and end sites, parents first."""
-    import pybvh  # imports matplotlib, which --help need not wait for
-
-    frame = " ".join(["0"] * (3 + 3 * len(text.names)))
-    with temporary_folder() as folder:
-        file = folder / "plain.bvh"
-        file.write_text("\n".join([*text.plain, "MOTION", "Frames: 1", "Frame Time: 1", frame]), encoding="utf-8")
-        return pybvh.read_bvh_file(file, world_up="+y").nodes
+def _bone_ends(tree: Hierarchy) -> np.ndarray:
+    bone_ends = default_bone_ends(tree.parents, tree.offsets)
+    leaves = set(range(len(tree.names))) - set(tree.parents)
+    for joint in leaves:
+        if tree.end_sites[joint]:
+            bone_ends[joint] = np.mean(tree.end_sites[joint], axis=0)
+    return bone_ends
 
 
-def _skeleton(nodes: Sequence[BvhNode]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Parents, offsets and bone ends."""
-    joints = [node for node in nodes if not node.is_end_site()]
-    place = {id(node): i for i, node in enumerate(joints)}
-    parents = np.array([-1 if node.parent is None else place[id(node.parent)] for node in joints], dtype=np.intp)
-    offsets = np.array([node.offset for node in joints])
-    ends: dict[int, list[np.ndarray]] = {}
-    for node in nodes:
-        if node.is_end_site():
-            ends.setdefault(place[id(node.parent)], []).append(node.offset)
-    bone_ends = default_bone_ends(parents, offsets)
-    for joint in set(ends) - set(parents.tolist()):
-        bone_ends[joint] = np.mean(ends[joint], axis=0)
-    return parents, offsets, bone_ends
-
-
-def _columns(text: BvhText, kind: str) -> list[tuple[str, list[int]]]:
-    """Axes and columns of each joint's channels of one kind, in the order of the file."""
+def _columns(tree: Hierarchy, kind: str) -> list[tuple[str, list[int]]]:
+    """Return the axes and the columns of each joint's channels of one kind, in the order of the file."""
     first, columns = 0, []
-    for channels in text.channels:
+    for channels in tree.channels:
         own = [k for k, channel in enumerate(channels) if channel.endswith(kind)]
         columns.append(("".join(channels[k][0] for k in own), [first + k for k in own]))
         first += len(channels)
     return columns
 
 
-def _rotations(text: BvhText) -> np.ndarray:
-    n_frames, n_joints = len(text.table), len(text.names)
-    rotations = np.tile(IDENTITY, (n_frames, n_joints, 1))
-    columns = _columns(text, "rotation")
-    for order in {axes for axes, _ in columns if axes}:
-        joints = [joint for joint, (axes, _) in enumerate(columns) if axes == order]
-        angles = text.table[:, [columns[joint][1] for joint in joints]].reshape(-1, len(order))
-        # Capital letters are intrinsic: the first channel turns the axes of those that follow.
-        turned = Rotation.from_euler(order, angles, degrees=True).as_quat(canonical=True)
-        rotations[:, joints] = turned.reshape(n_frames, len(joints), 4)
-    return make_continuous(rotations)
+def _rotations(tree: Hierarchy, table: np.ndarray) -> np.ndarray:
+    """Turn the rotation channels into unit quaternions, shape=[F, B, 4], sign-continuous along time."""
+    columns = _columns(tree, "rotation")
+    orders = {order: [joint for joint, (axes, _) in enumerate(columns) if axes == order] for order, _ in columns}
+    rotations = np.tile(quat.IDENTITY, (len(table), len(columns), 1))
+    last = rotations[:1].copy()  # the identity: the first frame has scalar parts that are not negative
+    step = max(1, _CHUNK // len(columns))
+    for start in range(0, len(table), step):
+        chunk = rotations[start : start + step]
+        for order, joints in orders.items():
+            angles = table[start : start + step, [columns[joint][1] for joint in joints]]
+            chunk[:, joints] = _from_euler(order, np.radians(angles))
+        chunk[:] = quat.make_continuous(np.concatenate([last, chunk]))[1:]
+        last = chunk[-1:]
+    return rotations
 
 
-def _translations(text: BvhText, offsets: np.ndarray) -> np.ndarray:
-    translations = np.tile(offsets, (len(text.table), 1, 1))
-    for joint, (axes, columns) in enumerate(_columns(text, "position")):
-        translations[:, joint, ["XYZ".index(axis) for axis in axes]] = text.table[:, columns]
+def _from_euler(axes: str, angles: np.ndarray) -> np.ndarray:
+    """Compose turns about axes, each about an axis that those before it have turned.
+
+    Parameters
+    ----------
+    axes : str, length K
+        Of X, Y and Z.
+    angles : array-like, shape=[..., K]
+        Radians.
+
+    Returns
+    -------
+    quaternions : array-like, shape=[..., 4]
+    """
+    turned = np.broadcast_to(quat.IDENTITY, (*angles.shape[:-1], 4))
+    for k, axis in enumerate(axes):
+        turned = quat.multiply(turned, quat.exp(angles[..., k, None] * np.eye(3)["XYZ".index(axis)]))
+    return turned
+
+
+def _translations(tree: Hierarchy, table: np.ndarray) -> np.ndarray:
+    translations = np.tile(np.array(tree.offsets), (len(table), 1, 1))
+    for joint, (axes, columns) in enumerate(_columns(tree, "position")):
+        translations[:, joint, ["XYZ".index(axis) for axis in axes]] = table[:, columns]
     return translations

@@ -1,21 +1,42 @@
-"""Frames a second, from a frame time that a file gives with few digits."""
+"""Exact frame rates, from rates and frame times that people and files give with few digits."""
 
 from __future__ import annotations
 
-from decimal import ROUND_DOWN, Context, Decimal
+from decimal import Context, Decimal
 
 USUAL = tuple(map(Decimal, (12, 15, 24, 25, 30, 48, 50, 60, 72, 90, 96, 100, 120, 144, 150, 180, 200, 240)))
 """What cameras and motion capture record at."""
 
-NTSC = tuple(Decimal(1000 * rate) / 1001 for rate in (24, 30, 48, 60, 120))
+NTSC = tuple(Decimal(1000 * rate) / 1001 for rate in (12, 15, 24, 30, 48, 60, 96, 120, 240))
 """Those of American television: 23.976, 29.97, and so on."""
 
 SINGLE_PRECISION = Decimal("1e-6")
 """What single precision, and a few digits more, leave of a number."""
 
 
+def exact_rate(rate: float) -> float:
+    """Return the rate that people mean who give it with few digits.
+
+    Rates of television are written in two decimals or more: 23.976, 23.98 and 23.97 are 24000 / 1001, and 29.97 is
+    30000 / 1001. All others are meant as they are written, 24, 30 and 23.9 among them.
+
+    Parameters
+    ----------
+    rate : float
+        Frames per second.
+
+    Returns
+    -------
+    rate : float
+    """
+    written = Decimal(repr(float(rate)))
+    if int(written.as_tuple().exponent) > -2:
+        return float(rate)
+    return float(next((exact for exact in NTSC if _comes_to(exact, written)), rate))
+
+
 def frame_rate(frame_time: Decimal) -> float:
-    """Take the rate whose frame time is rounded, or cut off, to the given digits.
+    """Return the rate whose frame time is rounded, or cut off, to the given digits.
 
     Of rates that come to the same digits, a usual one is taken before one of television, and that before any whole one:
     0.0083333 is 120, 0.0333667 is 30000 / 1001. Where there is none, the digits are taken by the word.
@@ -23,12 +44,12 @@ def frame_rate(frame_time: Decimal) -> float:
     Parameters
     ----------
     frame_time : Decimal
-        Seconds from frame to frame, with the digits of the file.
+        Seconds per frame, with the digits of the file.
 
     Returns
     -------
     rate : float
-        Frames a second.
+        Frames per second.
     """
     written = Context(prec=17).plus(frame_time)
     whole = max(Decimal(1), (1 / written).to_integral_value())
@@ -42,8 +63,9 @@ def frame_rate(frame_time: Decimal) -> float:
 
 
 def _comes_to(exact: Decimal, written: Decimal) -> bool:
-    """Whether a number has the written digits, be they rounded or cut off."""
-    return _is_near(exact, written) or written in (exact.quantize(written), exact.quantize(written, ROUND_DOWN))
+    """Return whether a number has the written digits, be they rounded or cut off."""
+    last_digit = Decimal(1).scaleb(int(written.as_tuple().exponent))
+    return _is_near(exact, written) or -last_digit / 2 <= exact - written < last_digit
 
 
 def _is_near(exact: Decimal, written: Decimal) -> bool:

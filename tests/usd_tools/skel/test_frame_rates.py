@@ -5,7 +5,7 @@ from decimal import ROUND_DOWN, ROUND_HALF_EVEN, Decimal
 import numpy as np
 import pytest
 
-from usd_tools.skel.frame_rates import NTSC, USUAL, frame_rate
+from usd_tools.skel.frame_rates import NTSC, USUAL, exact_rate, frame_rate
 
 
 @pytest.mark.parametrize("rounding", [ROUND_DOWN, ROUND_HALF_EVEN])
@@ -50,3 +50,30 @@ def test_digits_of_floats(rate):
 )
 def test_written(written, rate):
     assert frame_rate(Decimal(written)) == pytest.approx(rate, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("typed", "whole"),
+    [
+        *((23.976, 24), (23.98, 24), (23.97, 24), (23.9760, 24), (23.976024, 24), (29.97, 30), (29.97003, 30)),
+        *((47.952, 48), (47.95, 48), (59.94, 60), (59.9401, 60), (119.88, 120), (119.8801, 120), (239.76, 240)),
+        *((14.985, 15), (11.988, 12)),
+    ],
+)
+def test_rates_of_television_as_they_are_typed(typed, whole):
+    assert exact_rate(typed) == whole * 1000 / 1001
+    assert exact_rate(exact_rate(typed)) == exact_rate(typed)
+    assert exact_rate(float(np.float32(exact_rate(typed)))) == exact_rate(typed)
+
+
+@pytest.mark.parametrize(
+    "typed",
+    [1, 12, 12.5, 23.9, 24, 24.0, 24.98, 25, 29.9, 29.98, 30, 33.333, 47.9, 48, 59.9, 60, 60.06, 120, 0.1, 1e300],
+)
+def test_other_rates_are_meant_as_they_are_typed(typed):
+    assert exact_rate(typed) == typed
+
+
+def test_rates_of_any_size_are_rates():
+    for typed in (5e-324, 1e-7, 1e22):
+        assert exact_rate(typed) == typed
