@@ -260,6 +260,23 @@ class PoseGeodesics:
         )
         return rotations
 
+    def turn_rates(self, index: np.ndarray, turned: Array) -> tuple[Array, Array]:
+        """Return the velocities and accelerations of what `turns` returned, along the principal axes.
+
+        They are the body's, shape=[F, B, 3], per unit of the parameter and its square; see `EndVelocities`.
+        """
+        inverse = self._inverse_moments[index]
+        momentum = quat.rotate(quat.conjugate(turned), self._momentum[index])
+        velocity = inverse * momentum
+        return velocity, inverse * quat.cross(momentum, velocity)
+
+    def pose_rates(self, rotations: Array, rates: Array) -> Array:
+        """See body velocities or accelerations of turns, shape=[F, B, 3], as those of the poses, shape=[F, B, 4]."""
+        outward = self.parameters.from_axes(rates)
+        # the inverse of a turn with the body velocity x moves a pose R with the body velocity -R^T x
+        inward = -quat.rotate(quat.conjugate(rotations), outward)
+        return np.where(self.parameters.is_right[:, None], inward, outward)
+
     def pull_back(self, index: np.ndarray, parameter: Array, rotations: Array, cotangent: Array) -> Array:
         """Pull the derivative of a scalar by poses back to one by the metric, the end poses fixed.
 

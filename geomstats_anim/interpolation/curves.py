@@ -1,20 +1,17 @@
-"""Interpolation schemes without a metric, and what all schemes share.
+"""What every interpolation scheme is: an object made from keys, and then called with times, as in `scipy.interpolate`.
 
-Like `scipy.interpolate` objects, a scheme is made from its keys and then called with times. Outside the range of its
-keys it holds the first or the last one.
+Outside the range of its keys, a curve holds the first or the last one.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import overload
 
 import numpy as np
-import scipy.interpolate
-import scipy.spatial.transform
 from numpy.typing import ArrayLike
 
-from geomstats_anim import rotations as quat
 from geomstats_anim.animation import Animation, increasing_times
 from geomstats_anim.geodesics.pose_geodesics import LogStatus
 from geomstats_anim.learned_metric import LearnedMetric
@@ -27,7 +24,7 @@ Metric = MetricParameters | LearnedMetric
 
 @dataclass(frozen=True)
 class Fallback:
-    """A segment whose geodesic was not found, and which is therefore slerped.
+    """A segment whose geodesic was not found, and which is slerped instead.
 
     Parameters
     ----------
@@ -50,16 +47,117 @@ class Fallback:
         )
 
 
-class Curve(Protocol):
-    """What every scheme can do."""
+class Curve(ABC):
+    """A curve through the frames of an animation, which are its keys.
 
-    fallbacks: tuple[Fallback, ...]
+    A scheme tells its rotations and their rates at shares of the segments between keys, and its translations where
+    they are not on straight lines, as scales always are.
 
-    def __init__(self, animation: Animation, metric: Metric | None = None) -> None: ...
+    Parameters
+    ----------
+    animation : Animation
+    metric : MetricParameters or LearnedMetric
+        A learned metric is matched to the joints by name.
+        Optional, default: None, the bi-invariant metric.
 
-    def __call__(self, times: ArrayLike) -> Animation:
-        """Evaluate at times, shape=[F], in seconds, strictly increasing."""
-        ...
+    Attributes
+    ----------
+    fallbacks : tuple of Fallback
+        Segments that are slerped because their geodesic was not found.
+
+    Raises
+    ------
+    ValueError
+        If there is no key.
+    """
+
+    def __init__(self, animation: Animation, metric: Metric | None = None) -> None:
+        if animation.n_frames < 1:
+            raise ValueError("Interpolation needs at least one key, but the animation has none.")
+        self.animation = animation
+        self.fallbacks: tuple[Fallback, ...] = ()
+        if animation.n_frames > 1:
+            self._prepare(metric)
+
+    @abstractmethod
+    def _prepare(self, metric: Metric | None) -> None:
+        """Do what is done once, with at least two keys."""
+
+    @abstractmethod
+    def _rotations(self, segment: np.ndarray, fraction: Array) -> Array:
+        """Return rotations, shape=[F, B, 4], at shares of segments, which do not decrease."""
+
+    @abstractmethod
+    def _rates(self, segment: np.ndarray, fraction: Array) -> tuple[Array, Array]:
+        """Return body angular velocity and acceleration, shape=[F, B, 3], in radians per second and its square."""
+
+    def _translations(self, segment: np.ndarray, fraction: Array) -> Array:
+        return self._linear(self.animation.translations, segment, fraction)
+
+    def _linear(self, values: Array, segment: np.ndarray, fraction: Array) -> Array:
+        """Interpolate values, shape=[K, B, 3], linearly; exact at both keys."""
+        weight = fraction[:, None, None]
+        return (1.0 - weight) * values[segment] + weight * values[segment + 1]
+
+    def _durations(self, segment: np.ndarray) -> Array:
+        """Return the durations of segments in seconds, shape=[F, 1, 1]."""
+        return np.diff(self.animation.times)[segment, None, None]
+
+    @overload
+    def __call__(self, times: ArrayLike, order: None = None) -> Animation: ...
+
+    @overload
+    def __call__(self, times: ArrayLike, order: int) -> Array: ...
+
+    def __call__(self, times: ArrayLike, order: int | None = None) -> Animation | Array:
+        """Evaluate the curve.
+
+        Parameters
+        ----------
+        times : array-like, shape=[F]
+            Seconds, strictly increasing.
+        order : int
+            0: rotations. 1: body angular velocity w, with R' = R hat(w), radians per second. 2: body angular
+            acceleration w'. At a key, rates are those of the segment after it, at the last key of the segment before;
+            outside the keys they are 0.
+            Optional, default: None, the animation, with translations and scales.
+
+        Returns
+        -------
+        values : Animation; or array-like, shape=[F, B, 4] for order 0, shape=[F, B, 3] for orders 1 and 2
+
+        Raises
+        ------
+        ValueError
+            If the times do not increase, or there is no such order.
+        """
+        if order not in (None, 0, 1, 2):
+            raise ValueError(f"The order must be 0, 1 or 2, but it is {order}.")
+        keys = self.animation
+        times = increasing_times(np.atleast_1d(times))
+        segment, fraction = locate(keys.times, times)
+        if order in (1, 2):
+            rates = np.zeros((len(times), keys.n_joints, 3))
+            moving = (times >= keys.times[0]) & (times <= keys.times[-1])
+            if keys.n_frames > 1:
+                rates[moving] = self._rates(segment[moving], fraction[moving])[order - 1]
+            return rates
+        animation = self._animation(times, segment, fraction)
+        return animation if order is None else animation.rotations
+
+    def _animation(self, times: Array, segment: np.ndarray, fraction: Array) -> Animation:
+        keys = self.animation
+        if keys.n_frames == 1:
+            held = (keys.rotations[segment], keys.translations[segment])
+            scales = None if keys.scales is None else keys.scales[segment]
+            return Animation(keys.skeleton, times, *held, scales)
+        rotations, translations = self._rotations(segment, fraction), self._translations(segment, fraction)
+        # keys are kept bit for bit, whatever rounding a scheme has
+        for at_key, key in ((fraction <= 0.0, segment), (fraction >= 1.0, segment + 1)):
+            rotations[at_key] = keys.rotations[key[at_key]]
+            translations[at_key] = keys.translations[key[at_key]]
+        scales = None if keys.scales is None else self._linear(keys.scales, segment, fraction)
+        return replace(keys, times=times, rotations=rotations, translations=translations, scales=scales)
 
 
 def locate(key_times: Array, times: Array) -> tuple[np.ndarray, Array]:
@@ -86,123 +184,3 @@ def locate(key_times: Array, times: Array) -> tuple[np.ndarray, Array]:
 def times_at(key_times: Array, segment: np.ndarray, fraction: Array) -> Array:
     """Find the times of shares of segments: the inverse of `locate`."""
     return key_times[segment] + fraction * np.diff(key_times)[segment]
-
-
-class Piecewise:
-    """A scheme that looks at a segment between two keys at a time; translations and scales go along straight lines."""
-
-    fallbacks: tuple[Fallback, ...] = ()
-
-    def __init__(self, animation: Animation, metric: Metric | None = None) -> None:
-        if animation.n_frames < 1:
-            raise ValueError("Interpolation needs at least one key, but the animation has none.")
-        self.animation = animation
-        if animation.n_frames > 1:
-            self._prepare(metric)
-
-    def _prepare(self, metric: Metric | None) -> None:
-        """Do what is done once, with two keys at least."""
-
-    def _rotations(self, segment: np.ndarray, fraction: Array) -> Array:
-        raise NotImplementedError
-
-    def _translations(self, segment: np.ndarray, fraction: Array) -> Array:
-        return self._linear(self.animation.translations, segment, fraction)
-
-    def _linear(self, values: Array, segment: np.ndarray, fraction: Array) -> Array:
-        """Interpolate values, shape=[K, B, 3], linearly; exact at both keys."""
-        weight = fraction[:, None, None]
-        return (1.0 - weight) * values[segment] + weight * values[segment + 1]
-
-    def __call__(self, times: ArrayLike) -> Animation:
-        """Evaluate at times, shape=[F], in seconds, strictly increasing."""
-        keys = self.animation
-        times = increasing_times(np.atleast_1d(times))
-        segment, fraction = locate(keys.times, times)
-        if keys.n_frames == 1:
-            held = (keys.rotations[segment], keys.translations[segment])
-            scales = None if keys.scales is None else keys.scales[segment]
-            return Animation(keys.skeleton, times, *held, scales)
-        rotations, translations = self._rotations(segment, fraction), self._translations(segment, fraction)
-        # keys are kept bit for bit, whatever rounding a scheme has
-        for at_key, key in ((fraction <= 0.0, segment), (fraction >= 1.0, segment + 1)):
-            rotations[at_key] = keys.rotations[key[at_key]]
-            translations[at_key] = keys.translations[key[at_key]]
-        scales = None if keys.scales is None else self._linear(keys.scales, segment, fraction)
-        return replace(keys, times=times, rotations=rotations, translations=translations, scales=scales)
-
-
-class Constant(Piecewise):
-    """Every key is held until the next one."""
-
-    def _linear(self, values: Array, segment: np.ndarray, fraction: Array) -> Array:
-        # A fraction of exactly 1 is the last key itself.
-        return values[np.minimum(segment + (fraction >= 1.0), len(values) - 1)]
-
-    def _rotations(self, segment: np.ndarray, fraction: Array) -> Array:
-        return self._linear(self.animation.rotations, segment, fraction)
-
-
-class Linear(Piecewise):
-    """Quaternion components on straight lines, then normalised: what many curve editors do."""
-
-    def _rotations(self, segment: np.ndarray, fraction: Array) -> Array:
-        return quat.normalize(self._linear(self.animation.rotations, segment, fraction))
-
-
-class Slerp(Piecewise):
-    """Constant angular velocity along the shorter way: what USD shows between samples."""
-
-    def _rotations(self, segment: np.ndarray, fraction: Array) -> Array:
-        keys = self.animation.rotations
-        return quat.slerp(keys[segment], keys[segment + 1], fraction[:, None])
-
-
-class _OnCubicPaths(Piecewise):
-    """A scheme whose translations go along scipy's cubic spline."""
-
-    def _prepare(self, metric: Metric | None) -> None:
-        self._path = scipy.interpolate.CubicSpline(self.animation.times, self.animation.translations)
-
-    def _translations(self, segment: np.ndarray, fraction: Array) -> Array:
-        return self._path(times_at(self.animation.times, segment, fraction))
-
-
-class Squad(_OnCubicPaths):
-    """Spherical quadrangles through the keys (Shoemake, "Quaternion calculus and fast animation", 1987).
-
-    The inner control points allow for uneven key times as the package numpy-quaternion does.
-    """
-
-    def _prepare(self, metric: Metric | None) -> None:
-        super()._prepare(metric)
-        keys, durations = self.animation.rotations, np.diff(self.animation.times)[:, None, None]
-        turns = quat.difference(keys[:-1], keys[1:])
-        before, after = turns[:-1], turns[1:]
-        ratio = durations[1:] / durations[:-1]
-        self._leaving, self._arriving = keys[:-1].copy(), keys[1:].copy()
-        self._leaving[1:] = quat.multiply(keys[1:-1], quat.exp(0.25 * (before * ratio - after)))
-        self._arriving[:-1] = quat.multiply(keys[1:-1], quat.exp(0.25 * (before - after / ratio)))
-
-    def _rotations(self, segment: np.ndarray, fraction: Array) -> Array:
-        keys, u = self.animation.rotations, fraction[:, None]
-        outer = quat.slerp(keys[segment], keys[segment + 1], u)
-        inner = quat.slerp(self._leaving[segment], self._arriving[segment], u)
-        return quat.slerp(outer, inner, 2.0 * u * (1.0 - u))
-
-
-class RotationSpline(_OnCubicPaths):
-    """Twice continuously differentiable: scipy's `RotationSpline`."""
-
-    def _prepare(self, metric: Metric | None) -> None:
-        super()._prepare(metric)
-        keys, times = self.animation, self.animation.times
-        by_joint = (scipy.spatial.transform.Rotation.from_quat(keys.rotations[:, b]) for b in range(keys.n_joints))
-        self._splines = [scipy.spatial.transform.RotationSpline(times, rotations) for rotations in by_joint]
-
-    def _rotations(self, segment: np.ndarray, fraction: Array) -> Array:
-        times = times_at(self.animation.times, segment, fraction)
-        rotations = np.empty((len(times), self.animation.n_joints, 4))
-        for b, spline in enumerate(self._splines):
-            rotations[:, b] = spline(times).as_quat()
-        return rotations

@@ -1,99 +1,19 @@
-"""Interpolation along geodesics of a metric, the registry of all schemes, and `interpolate`."""
+"""All interpolation schemes by name, and `interpolate`."""
 
 from __future__ import annotations
 
 import warnings
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from geomstats_anim.animation import Animation
-from geomstats_anim.geodesics.pose_geodesics import LogStatus, PoseGeodesics
-from geomstats_anim.interpolation.curves import (
-    Constant,
-    Curve,
-    Fallback,
-    Linear,
-    Metric,
-    Piecewise,
-    RotationSpline,
-    Slerp,
-    Squad,
-)
-from geomstats_anim.interpolation.splines import PathSpline, PoseSpline
-from geomstats_anim.learned_metric import LearnedMetric
-from geomstats_anim.parameters import CurveParameters, MetricParameters
-from geomstats_anim.rotations import Array
+from geomstats_anim.interpolation.curves import Curve, Metric
+from geomstats_anim.interpolation.metric_schemes import Geodesic, GeodesicSpline
+from geomstats_anim.interpolation.plain_schemes import Constant, Linear, RotationSpline, Slerp, Squad
 
 
 class FallbackWarning(UserWarning):
     """Some segments are slerped because their geodesic was not found."""
-
-
-class Geodesic(Piecewise):
-    """Shortest geodesics of an invariant metric on SO(3)^B (Kushner, Modi, Miolane, section 4.2).
-
-    A segment whose geodesic is not found is slerped, and named in `fallbacks`.
-    """
-
-    def __init__(self, animation: Animation, metric: Metric | None = None) -> None:
-        self._curve = curve_parameters(metric, animation)
-        super().__init__(animation, metric)
-
-    def _prepare(self, metric: Metric | None) -> None:
-        keys = self.animation.rotations
-        self._find_fallbacks(PoseGeodesics.between(keys[:-1], keys[1:], self._curve.metric))
-
-    def _find_fallbacks(self, geodesics: PoseGeodesics) -> None:
-        self.geodesics = geodesics
-        times, joints = self.animation.times, self.animation.skeleton.joints
-        self.fallbacks = tuple(
-            Fallback(joints[b], float(times[k]), float(times[k + 1]), LogStatus(geodesics.status[k, b]))
-            for k, b in np.argwhere(geodesics.status != LogStatus.CONVERGED)
-        )
-
-    def _rotations(self, segment: np.ndarray, fraction: Array) -> Array:
-        return self.geodesics(segment, fraction)
-
-
-class GeodesicSpline(Geodesic):
-    """Geodesics bent so that velocities meet at the keys, as far as each joint's tension says; see `splines`.
-
-    Translations go along cubic splines with a tension of their own. A metric without tension gets 1, continuous
-    velocity.
-    """
-
-    def _prepare(self, metric: Metric | None) -> None:
-        keys = self.animation
-        self._spline = PoseSpline(keys.times, keys.rotations, self._curve.metric, self._curve.tension)
-        self._path = PathSpline(keys.times, keys.translations, self._curve.translation_tension)
-        self._find_fallbacks(self._spline.geodesics)
-
-    def _rotations(self, segment: np.ndarray, fraction: Array) -> Array:
-        return self._spline(segment, fraction)
-
-    def _translations(self, segment: np.ndarray, fraction: Array) -> Array:
-        return self._path(segment, fraction)
-
-
-def curve_parameters(metric: Metric | None, animation: Animation) -> CurveParameters:
-    """Parameters for the joints of an animation, in its order; the tension is 1 where none is given.
-
-    Raises
-    ------
-    ValueError
-        If the metric has no names and another number of joints.
-    """
-    if metric is None:
-        metric = MetricParameters.identity(animation.n_joints)
-    if isinstance(metric, LearnedMetric):
-        metric, missing = metric.for_joints(animation.skeleton.joints)
-        if missing:
-            warnings.warn(f"The metric knows nothing of {', '.join(missing)}; the identity is used.", stacklevel=4)
-        return metric.curve
-    if metric.n_joints != animation.n_joints:
-        raise ValueError(f"The metric has {metric.n_joints} joints, but the animation has {animation.n_joints}.")
-    return CurveParameters.spline(metric)
 
 
 SCHEMES: dict[str, type[Curve]] = {

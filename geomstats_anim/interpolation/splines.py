@@ -14,6 +14,7 @@ import numpy as np
 from geomstats_anim import rotations as quat
 from geomstats_anim.geodesics.pose_geodesics import PoseGeodesics
 from geomstats_anim.geodesics.shortest import Effort
+from geomstats_anim.interpolation.exponential import Rates, bent_rates
 from geomstats_anim.interpolation.tangents import KeyVelocities, hermite
 from geomstats_anim.kernels import bending
 from geomstats_anim.parameters import MetricParameters
@@ -86,6 +87,19 @@ class PoseSpline:
         if self._velocities is not None:
             bending.bend(turned, index, np.array(parameter), *self._velocities.bends)
         return self.geodesics.poses(index, turned)
+
+    def rates(self, index: np.ndarray, parameter: Array) -> Rates:
+        """Return body angular velocities and accelerations, in radians per second and its square; see a call."""
+        turned = self.geodesics.turns(index, parameter)
+        rates = Rates(*self.geodesics.turn_rates(index, turned))
+        if self._velocities is not None:
+            start, end = (bend[index] for bend in self._velocities.bends)
+            weights = (hermite(parameter[:, None, None], order) for order in range(3))
+            rates = bent_rates(rates, *(first * start + second * end for first, second in weights))
+            bending.bend(turned, index, np.array(parameter), *self._velocities.bends)
+        poses, per_second = self.geodesics.poses(index, turned), 1.0 / self._durations[index, None, None]
+        velocity, acceleration = (self.geodesics.pose_rates(poses, rate) for rate in rates)
+        return Rates(velocity * per_second, acceleration * per_second**2)
 
     def pull_back(self, index: np.ndarray, parameter: Array, rotations: Array, cotangent: Array) -> tuple[Array, Array]:
         """Pull the derivative of a scalar by poses back to one by the metric and the tension, the keys fixed.

@@ -22,7 +22,7 @@ Evaluate = Callable[[Array, np.ndarray], tuple[Array, Array]]
 """Take points, shape=[m, d], and the indices of their functions, shape=[m]; return values and gradients."""
 
 
-def minimize_each(
+def batched_bfgs(
     evaluate: Evaluate, start: Array, lower: Array, upper: Array, tolerance: Array, max_rounds: int
 ) -> tuple[Array, Array, Array]:
     """Minimise functions by projected BFGS.

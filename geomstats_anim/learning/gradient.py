@@ -12,10 +12,9 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-from scipy.optimize import minimize
 
 from geomstats_anim.geodesics.shortest import Effort
-from geomstats_anim.learning.batched_bfgs import minimize_each
+from geomstats_anim.learning.batched_bfgs import batched_bfgs
 from geomstats_anim.names import FAMILIES, INVARIANCE_CHOICES, INVARIANCES
 from geomstats_anim.parameters import MAX_TENSION, CurveParameters, MetricParameters
 from geomstats_anim.rotations import Array
@@ -269,13 +268,15 @@ class _Search:
 
         lower, upper = np.transpose([_BOUNDS[column] for column in free])
         tolerance = _REFINED * np.maximum(self._base_errors, _NEGLIGIBLE * self._base_errors.max(initial=1e-12))
-        values, _, curvature = minimize_each(evaluate, point[:, free], lower, upper, tolerance, rounds)
+        values, _, curvature = batched_bfgs(evaluate, point[:, free], lower, upper, tolerance, rounds)
         self._scale[:, free] = np.sqrt(curvature + _FLAT * curvature.max(initial=1e-12))
         self._scale[:, _TRANSLATION_TENSION] = self._scale[:, free].min()
         return placed(values, np.arange(self.n_joints))
 
     def descend(self, point: Array, sides: tuple[str, ...], stop: dict[str, float]) -> None:
         """Follow the gradient from a point."""
+        from scipy.optimize import minimize
+
         unit = max(self._base_value, 1e-12)
         scale = self._scale[:, self._free]
 

@@ -11,7 +11,6 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import stdtrit
 
 from geomstats_anim.learning.gradient import Found, Learnable
 from geomstats_anim.parameters import CurveParameters, MetricParameters
@@ -143,6 +142,8 @@ def _with_one_tension(folds: Sequence[Fold], plain: CurveParameters) -> tuple[Cu
 
 def _certain_gain(errors: Array) -> Array:
     """Gain over the first choice that is certain, as a share, from errors by fold and choice, shape=[n, C, ...]."""
+    from scipy.special import stdtrit
+
     gains = (errors[:, :1] - errors) / np.maximum(errors[:, :1], _PERFECT)
     standard_error = gains.std(axis=0, ddof=1) / np.sqrt(len(errors))
     return gains.mean(axis=0) - stdtrit(len(errors) - 1, CONFIDENCE) * standard_error

@@ -14,7 +14,8 @@ from rigs import ANIMATION, JOINTS, SKELETON, bits, make_rig, random_rotations, 
 
 from geomstats_anim import SCHEMES, LogStatus, interpolate
 from geomstats_anim import rotations as quat
-from geomstats_anim.interpolation.curves import Fallback, Slerp
+from geomstats_anim.interpolation.curves import Fallback
+from geomstats_anim.interpolation.schemes import Slerp
 from usd_tools.console.progress import Progress
 from usd_tools.files.paths import relative_asset_path
 from usd_tools.skel.clip import read_clip

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from geomstats_anim.learning.batched_bfgs import minimize_each
+from geomstats_anim.learning.batched_bfgs import batched_bfgs
 
 LOWER, UPPER = np.array([-1.0, -2.0, 0.0]), np.array([1.0, 2.0, 2.0])
 TOLERANCE = 1e-12
@@ -34,7 +34,7 @@ def rosenbrock(points, index):
 
 
 def run(evaluate, start, rounds=200):
-    return minimize_each(evaluate, start, LOWER, UPPER, np.full(len(start), TOLERANCE), rounds)
+    return batched_bfgs(evaluate, start, LOWER, UPPER, np.full(len(start), TOLERANCE), rounds)
 
 
 @pytest.mark.parametrize("seed", range(5))
