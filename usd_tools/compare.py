@@ -21,6 +21,7 @@ from usd_tools.comparison.results import ComparedClip, named, write_rebuilt, wri
 from usd_tools.comparison.run import measure_all
 from usd_tools.console.arguments import add_prim, add_workers, share
 from usd_tools.console.errors import Messages, ToolError, print_warning, run
+from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.progress import Progress
 from usd_tools.files.folders import check_folder, made_beside
 from usd_tools.files.openusd_errors import openusd_errors, usd_warnings
@@ -31,9 +32,9 @@ TOOL = "usd_tools.compare"
 CONTENTS = ("figures", "index.html", "results.csv", "results.json", "usd")
 
 
-def parser() -> argparse.ArgumentParser:
+def parser() -> ArgumentParser:
     """Make the parser of the command line."""
-    parse = argparse.ArgumentParser(
+    parse = ArgumentParser(
         prog="python -m usd_tools.compare",
         description="Rebuild skeletal animation from a share of its samples by every interpolation scheme, score each "
         "against the original, and write a report: the experiment of Kushner, Modi and Miolane, for any clip.",

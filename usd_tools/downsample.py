@@ -18,6 +18,7 @@ from geomstats_anim import SCHEMES, __version__
 from geomstats_anim.names import CRITERIA, FAMILIES, SELECTIONS, WITH_METRIC
 from usd_tools.console.arguments import add_output, add_prim, positive_number, share, time_codes, whole_number
 from usd_tools.console.errors import Messages, ToolError, print_warning, run
+from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.progress import SearchProgress
 from usd_tools.downsampling import summary as downsample_report
 from usd_tools.downsampling.reduce import Reduced, Wanted, reduce_clip, verified
@@ -32,9 +33,9 @@ from usd_tools.skel.output import Output
 TOOL = "usd_tools.downsample"
 
 
-def parser() -> argparse.ArgumentParser:
+def parser() -> ArgumentParser:
     """Make the parser of the command line."""
-    parse = argparse.ArgumentParser(
+    parse = ArgumentParser(
         prog="python -m usd_tools.downsample",
         description="Keep few samples of skeletal animation, bit for bit, and with them the metric and the tensions "
         "that rebuild the others: usd_tools.upsample OUT -o BACK --times source. Everything else on the stage stays. "

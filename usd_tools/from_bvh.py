@@ -18,6 +18,7 @@ from geomstats_anim.rotations import IDENTITY
 from usd_tools.bvh.reader import Bvh, read_bvh
 from usd_tools.console.arguments import add_format, positive_number
 from usd_tools.console.errors import Messages, ToolError, print_warning, run
+from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.progress import Progress
 from usd_tools.console.tables import counted
 from usd_tools.files.openusd_errors import openusd_errors
@@ -30,9 +31,9 @@ from usd_tools.skel.writer import made_by, save_layer
 TOOL = "usd_tools.from_bvh"
 
 
-def parser() -> argparse.ArgumentParser:
+def parser() -> ArgumentParser:
     """Make the parser of the command line."""
-    parse = argparse.ArgumentParser(
+    parse = ArgumentParser(
         prog="python -m usd_tools.from_bvh",
         description="Convert a BVH file to UsdSkel. Its numbers stay as they are; what a unit of them is, and which "
         "axis is up, is written beside them, for BVH does not tell.",

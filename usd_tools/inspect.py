@@ -20,6 +20,7 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdSkel
 
 from usd_tools.console.errors import Messages, ToolError, print_warning, run
+from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.tables import counted, show
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
 from usd_tools.files.stages import open_stage
@@ -39,9 +40,9 @@ from usd_tools.skel.rotation_checks import (
 )
 
 
-def parser() -> argparse.ArgumentParser:
+def parser() -> ArgumentParser:
     """Make the parser of the command line."""
-    parse = argparse.ArgumentParser(
+    parse = ArgumentParser(
         prog="python -m usd_tools.inspect",
         description="Tell what skeletal animation a USD file has, and what to beware of.",
     )

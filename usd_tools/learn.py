@@ -20,6 +20,7 @@ from geomstats_anim.learning.tune.settings import TuneSettings
 from geomstats_anim.names import FAMILIES, INVARIANCE_CHOICES, KINDS, PURPOSES, SEARCHES, TRIALS, WITH_METRIC
 from usd_tools.console.arguments import add_output, add_prim, add_workers, seed, share, whole_number
 from usd_tools.console.errors import Messages, ToolError, print_warning, run
+from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.progress import Progress, SearchProgress
 from usd_tools.files.atomic import write_json, written_beside
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
@@ -37,9 +38,9 @@ TOOL = "usd_tools.learn"
 _TPE_ONLY = {"trials": "--trials", "folder": "--folder", "resume": "--resume", "wandb": "--wandb"}
 
 
-def parser() -> argparse.ArgumentParser:
+def parser() -> ArgumentParser:
     """Make the parser of the command line."""
-    parse = argparse.ArgumentParser(
+    parse = ArgumentParser(
         prog="python -m usd_tools.learn",
         description="Learn the metric whose geodesics rebuild skeletal animation best from few of its samples, and say "
         "what it is worth beside slerp, on the samples it was learned from and on others.",

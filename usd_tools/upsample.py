@@ -18,6 +18,7 @@ from geomstats_anim import SCHEMES, __version__
 from geomstats_anim.names import DEFAULT_SCHEME, INVARIANCES, WITH_METRIC
 from usd_tools.console.arguments import add_output, add_prim, positive_number, time_codes, whole_number
 from usd_tools.console.errors import Messages, ToolError, print_warning, run
+from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.progress import Progress
 from usd_tools.files.atomic import write_json
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
@@ -38,9 +39,9 @@ MAX_ROTATIONS = 1 << 27
 _STYLES = ("alpha", "beta", "invariance", "joint")
 
 
-def parser() -> argparse.ArgumentParser:
+def parser() -> ArgumentParser:
     """Make the parser of the command line."""
-    parse = argparse.ArgumentParser(
+    parse = ArgumentParser(
         prog="python -m usd_tools.upsample",
         description="Add samples to skeletal animation, along geodesics of an invariant metric. Every source sample "
         "stays as it is, bit for bit. The output is a layer over the source, which it needs; with --flatten it needs "

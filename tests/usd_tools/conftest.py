@@ -52,6 +52,7 @@ def refuse(tmp_path, run):
         if exit_code == 1:
             assert err.splitlines()[-1].startswith("error: ")
             assert err.count("error: ") == 1
-        return err.splitlines()[-1].split("error: ", 1)[1].replace(f"{tmp_path}/", "")
+        line = err.splitlines()[0 if exit_code == 2 else -1]  # the usage follows a usage error
+        return line.split("error: ", 1)[1].replace(f"{tmp_path}/", "")
 
     return call

@@ -55,9 +55,12 @@ def test_no_out(clip, refused):
 @pytest.mark.parametrize(
     ("word", "sentence"),
     [
-        ("bezier", "there is no scheme 'bezier'; the schemes are constant, linear, slerp"),
-        ("slerp:spd", "slerp has no metric, so it has no family; say slerp alone"),
-        ("geodesic:full", "there is no family 'full'; the families are diagonal, spd, as in geodesic:spd"),
+        (
+            "bezier",
+            "must be constant, linear, slerp, squad, rotation-spline, geodesic or geodesic-spline, not 'bezier'.",
+        ),
+        ("slerp:spd", "slerp has no metric, so it has no family; write slerp alone"),
+        ("geodesic:full", "the family of geodesic must be diagonal or spd, as in geodesic:spd, not 'full'."),
     ],
 )
 def test_schemes(clip, out, refused, word, sentence):

@@ -230,12 +230,12 @@ def test_output(tmp_path, refuse):
 def test_positive_numbers(tmp_path, refused, option, number):
     write_bvh(tmp_path / "in.bvh")
     sentence = refused(f"{option}={number}", exit_code=2)
-    assert sentence == f"argument {option}: must be a positive number, not '{number}'"
+    assert sentence == f"{option}: must be a positive number, not '{number}'."
 
 
 def test_usage(tmp_path, refuse):
     sentence = refuse("from_bvh", tmp_path / "in.bvh", exit_code=2)
-    assert sentence == "the following arguments are required: -o/--out"
+    assert sentence == "the following arguments are required: -o/--out."
 
 
 @pytest.mark.parametrize("ends", [[(1, 2, 3)], [(1, 2, np.inf)] * 5])

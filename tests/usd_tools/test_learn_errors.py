@@ -146,33 +146,31 @@ def test_output_name(tmp_path, clip, refused):
 @pytest.mark.parametrize("rate", ["0", "1", "-0.1", "nan", "30%"])
 def test_rate(clip, out, refused, rate):
     sentence = refused(clip, *out, f"--rate={rate}", exit_code=2)
-    assert sentence == f"argument --rate: must be a number above 0 and below 1, not '{rate}'"
+    assert sentence == f"--rate: must be a number above 0 and below 1, not '{rate}'."
 
 
 @pytest.mark.parametrize("option", ["--trials", "--cpus", "--seed"])
 def test_whole_numbers(clip, out, refused, option):
     sentence = refused(clip, *out, f"{option}=-1", exit_code=2)
-    assert (
-        sentence == f"argument {option}: must be a whole number of at least {0 if option == '--seed' else 1}, not '-1'"
-    )
+    assert sentence == f"{option}: must be a whole number of at least {0 if option == '--seed' else 1}, not '-1'."
 
 
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["--trials", 5], "--trials goes with --search tpe or tpe-joint"),
-        (["--folder", "f", "--search", "tpe"], "--folder goes with --search tpe-joint"),
-        (["--wandb", "p"], "--wandb goes with --search tpe-joint"),
+        (["--trials", 5], "--trials goes with --search tpe or tpe-joint."),
+        (["--folder", "f", "--search", "tpe"], "--folder goes with --search tpe-joint."),
+        (["--wandb", "p"], "--wandb goes with --search tpe-joint."),
         (
             ["--search", "tpe-joint", "--folder", "f", "--purpose", "predict"],
-            "--folder and --resume hold one search, but --purpose predict makes several",
+            "--folder and --resume hold one search, but --purpose predict makes several.",
         ),
-        (["--folder", "f", "--resume", "g"], "argument --resume: not allowed with argument --folder"),
+        (["--folder", "f", "--resume", "g"], "--resume: not allowed with argument --folder."),
     ],
 )
 def test_usage(clip, out, refused, arguments, sentence):
     assert refused(clip, *out, *arguments, exit_code=2) == sentence
-    assert refused(clip, exit_code=2) == "name the output with -o/--out"
+    assert refused(clip, exit_code=2) == "name the output with -o/--out."
 
 
 @pytest.mark.parametrize("search", ["tpe", "tpe-joint"])

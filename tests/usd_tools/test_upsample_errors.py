@@ -181,7 +181,7 @@ def test_in_place(tmp_path, clip, refused):
 @pytest.mark.parametrize("number", ["0", "-1", "nan", "1.5", "two", "1e3"])
 def test_factor(tmp_path, clip, refused, number):
     sentence = refused(clip, "-o", tmp_path / "out.usda", f"--factor={number}", exit_code=2)
-    assert sentence == f"argument --factor: must be a whole number of at least 1, not '{number}'"
+    assert sentence == f"--factor: must be a whole number of at least 1, not '{number}'."
 
 
 @pytest.mark.parametrize("option", ["--fps", "--alpha", "--beta"])
@@ -189,16 +189,13 @@ def test_factor(tmp_path, clip, refused, number):
 def test_positive_numbers(tmp_path, clip, refused, option, number):
     rest = [] if option == "--fps" else ["--factor", 2]
     sentence = refused(clip, "-o", tmp_path / "out.usda", f"{option}={number}", *rest, exit_code=2)
-    assert sentence == f"argument {option}: must be a positive number, not '{number}'"
+    assert sentence == f"{option}: must be a positive number, not '{number}'."
 
 
 @pytest.mark.parametrize("times", ["nan", "1,inf", "one", "", "no_such_file.txt"])
 def test_times(tmp_path, clip, refused, times):
     sentence = refused(clip, "-o", tmp_path / "out.usda", f"--times={times}", exit_code=2)
-    assert (
-        sentence
-        == f"argument --times: must be finite numbers with commas between them, or a file of such, not '{times}'"
-    )
+    assert sentence == f"--times: must be finite numbers with commas between them, or a file of such, not '{times}'."
 
 
 def test_times_outside(tmp_path, clip, refused):
@@ -214,19 +211,19 @@ def test_too_much(tmp_path, clip, refused):
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        ([], "one of the arguments --factor --fps --times is required"),
-        (["--factor", 2, "--fps", 60], "argument --fps: not allowed with argument --factor"),
-        (["--factor", 2, "--retime"], "--retime needs --fps"),
+        ([], "one of the arguments --factor --fps --times is required."),
+        (["--factor", 2, "--fps", 60], "--fps: not allowed with argument --factor."),
+        (["--factor", 2, "--retime"], "--retime needs --fps."),
     ],
 )
 def test_usage(tmp_path, clip, refused, arguments, sentence):
     assert refused(clip, "-o", tmp_path / "out.usda", *arguments, exit_code=2) == sentence
-    assert refused(clip, "--factor", 2, exit_code=2) == "name the output with -o/--out"
+    assert refused(clip, "--factor", 2, exit_code=2) == "name the output with -o/--out."
 
 
 def test_joint_styles(tmp_path, clip, refused):
     sentence = refused(clip, "-o", tmp_path / "out.usda", "--factor", 2, "--joint", "leg*:alpha=2")
-    assert sentence == "--joint leg* matches no joint; there are hips, spine, arm."
+    assert sentence == "--joint leg* matches no joint; the file has hips, spine, arm."
     for text, words in {
         "arm": "must look like 'PATTERN:alpha=4,beta=.5,invariance=right', not 'arm'",
         "arm:alpha=0": "alpha in 'arm:alpha=0' must be a positive number, not '0'",
@@ -234,7 +231,7 @@ def test_joint_styles(tmp_path, clip, refused):
         "arm:gamma=2": "'gamma=2' in 'arm:gamma=2' must set alpha, beta or invariance",
     }.items():
         sentence = refused(clip, "-o", tmp_path / "out.usda", "--factor", 2, "--joint", text, exit_code=2)
-        assert sentence == f"argument --joint: {words}"
+        assert sentence == f"--joint: {words}."
 
 
 def test_styles_beyond_what_geodesics_are_found_for(tmp_path, clip, refused):

@@ -16,6 +16,7 @@ from geomstats_anim import rotations as quat
 from geomstats_anim.criteria import location_errors, rotation_errors
 from geomstats_anim.learning.learn import STILL, learn_metric
 from geomstats_anim.names import FAMILIES, PURPOSES, WITH_METRIC
+from usd_tools.console.text import did_you_mean, listed
 from usd_tools.learning.clips import Take
 from usd_tools.skel.sizes import bytes_numpy, bytes_usdc
 
@@ -52,15 +53,18 @@ class Contender:
         """
         scheme, colon, family = text.partition(":")
         if scheme not in SCHEMES:
-            raise argparse.ArgumentTypeError(f"there is no scheme {scheme!r}; the schemes are {', '.join(SCHEMES)}")
+            raise argparse.ArgumentTypeError(
+                f"must be {listed(list(SCHEMES))}, not {scheme!r}{did_you_mean(scheme, SCHEMES)}"
+            )
         if scheme not in WITH_METRIC:
             if colon:
-                raise argparse.ArgumentTypeError(f"{scheme} has no metric, so it has no family; say {scheme} alone")
+                raise argparse.ArgumentTypeError(f"{scheme} has no metric, so it has no family; write {scheme} alone")
             return cls(scheme, scheme, None)
         family = family if colon else FAMILIES[0]
         if family not in FAMILIES:
             raise argparse.ArgumentTypeError(
-                f"there is no family {family!r}; the families are {', '.join(FAMILIES)}, as in {scheme}:{FAMILIES[-1]}"
+                f"the family of {scheme} must be {listed(FAMILIES)}, as in {scheme}:{FAMILIES[-1]}, not {family!r}"
+                f"{did_you_mean(family, FAMILIES)}"
             )
         return cls(scheme if family == FAMILIES[0] else f"{scheme}:{family}", scheme, family)
 

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Callable
+
+from usd_tools.console.text import printable
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C: 128 and the number of SIGINT."""
 
 
 class ToolError(Exception):
@@ -39,7 +45,7 @@ class Messages:
 
 def print_warning(sentence: str) -> None:
     """Print a warning on stderr: the listener of the command line."""
-    print(f"warning: {sentence}", file=sys.stderr)
+    print(f"warning: {printable(sentence)}", file=sys.stderr)
 
 
 def run(command: Callable[[], int]) -> int:
@@ -53,8 +59,10 @@ def run(command: Callable[[], int]) -> int:
     Returns
     -------
     exit_code : int
-        1 after an error.
+        1 after an error, 130 after an interrupt, as shells have it.
     """
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # a name may need letters that the terminal does not have
     try:
         code = command()
         sys.stdout.flush()
@@ -62,12 +70,13 @@ def run(command: Callable[[], int]) -> int:
     except ToolError as error:
         sentence = str(error)
     except KeyboardInterrupt:
-        sentence = "interrupted; what was not written yet is not written."
+        print("error: interrupted; unfinished output was discarded.", file=sys.stderr)
+        return INTERRUPTED
     except BrokenPipeError:
         # The reader of our output, such as `head`, has seen enough; Python must not try to write the rest.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except OSError as error:
         sentence = f"{error.filename}: {error.strerror}" if error.filename else str(error)
-    print(f"error: {sentence}", file=sys.stderr)
+    print(f"error: {printable(sentence)}", file=sys.stderr)
     return 1

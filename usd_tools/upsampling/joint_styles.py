@@ -10,6 +10,7 @@ from fnmatch import fnmatchcase
 from geomstats_anim import LearnedMetric, MetricParameters
 from geomstats_anim.names import INVARIANCES
 from usd_tools.console.arguments import positive_number
+from usd_tools.console.text import did_you_mean
 
 
 @dataclass(frozen=True)
@@ -60,10 +61,15 @@ def parse_style(text: str) -> Style:
             style = replace(style, alpha=number) if name == "alpha" else replace(style, beta=number)
         elif name == "invariance":
             if value not in INVARIANCES:
-                raise argparse.ArgumentTypeError(f"invariance in {text!r} must be left or right, not {value!r}")
+                raise argparse.ArgumentTypeError(
+                    f"invariance in {text!r} must be left or right, not {value!r}{did_you_mean(value, INVARIANCES)}"
+                )
             style = replace(style, invariance=value)
         else:
-            raise argparse.ArgumentTypeError(f"{setting!r} in {text!r} must set alpha, beta or invariance")
+            raise argparse.ArgumentTypeError(
+                f"{setting!r} in {text!r} must set alpha, beta or invariance"
+                f"{did_you_mean(name, ('alpha', 'beta', 'invariance'))}"
+            )
     return style
 
 

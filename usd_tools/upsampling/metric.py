@@ -9,8 +9,10 @@ from pathlib import Path
 from geomstats_anim import SCHEMES, LearnedMetric
 from geomstats_anim.names import DEFAULT_SCHEME, WITH_METRIC
 from usd_tools.console.errors import Messages, ToolError
+from usd_tools.console.text import did_you_mean
 from usd_tools.metrics.attributes import read_metric
 from usd_tools.skel.clip import SkelClip
+from usd_tools.skel.joint_names import short_names
 from usd_tools.upsampling.joint_styles import Style, styled, unmatched
 
 _WORDS = ("stored", "identity", "learn")
@@ -76,10 +78,11 @@ def effective_metrics(
     every_joint = [joint for clip in clips for joint in clip.joints]
     lost = unmatched(styles, every_joint)
     if lost is not None:
-        raise ToolError(f"--joint {lost.pattern} matches no joint; there are {_a_few(every_joint)}.")
+        near = did_you_mean(lost.pattern, [*short_names(every_joint).values(), *every_joint])
+        raise ToolError(f"--joint {lost.pattern} matches no joint{near or f'; the file has {_a_few(every_joint)}.'}")
     from_file = None if wanted in (None, *_WORDS) else _read_file(Path(str(wanted)))
     if from_file is not None and not set(from_file.joints) & set(every_joint):
-        raise ToolError(f"--metric {wanted} knows none of the joints; there are {_a_few(every_joint)}.")
+        raise ToolError(f"--metric {wanted} has an entry for no joint of this file, which has {_a_few(every_joint)}.")
     return [_effective(path, clip, wanted, from_file, scheme, styles, messages) for clip in clips]
 
 
