@@ -6,12 +6,11 @@ The formulae are those of Sola, "Quaternion kinematics for the error-state Kalma
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from functools import cache
+from types import ModuleType
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from geomstats_anim.kernels import quaternions as elementwise
 
 Array = NDArray[np.float64]
 
@@ -31,7 +30,7 @@ def multiply(left: Array, right: Array) -> Array:
     -------
     product : array-like, shape=[..., 4]
     """
-    return _each(elementwise.multiply, 4, left, right)
+    return _each("multiply", 4, left, right)
 
 
 def conjugate(quaternion: Array) -> Array:
@@ -46,17 +45,17 @@ def normalize(quaternion: Array) -> Array:
 
 def cross(left: Array, right: Array) -> Array:
     """Multiply vectors, shape=[..., 3], many times as fast as `numpy.cross` does on few of them."""
-    return _each(elementwise.cross, 3, left, right)
+    return _each("cross", 3, left, right)
 
 
 def rotate(quaternion: Array, vector: Array) -> Array:
     """Rotate vectors, shape=[..., 3], by unit quaternions, shape=[..., 4]."""
-    return _each(elementwise.rotate, 3, quaternion, vector)
+    return _each("rotate", 3, quaternion, vector)
 
 
 def exp(rotation_vector: Array) -> Array:
     """Turn rotation vectors, shape=[..., 3] in radians, into unit quaternions, shape=[..., 4]."""
-    return _each(elementwise.exp, 4, rotation_vector)
+    return _each("exp", 4, rotation_vector)
 
 
 def log(quaternion: Array) -> Array:
@@ -73,12 +72,12 @@ def log(quaternion: Array) -> Array:
     rotation_vector : array-like, shape=[..., 3]
         Radians, at most pi long.
     """
-    return _each(elementwise.log, 3, quaternion)
+    return _each("log", 3, quaternion)
 
 
 def difference(left: Array, right: Array) -> Array:
     """Shortest rotation vectors, shape=[..., 3], that lead from `left` to `right`, in the frame of `left`."""
-    return _each(elementwise.difference, 3, left, right)
+    return _each("difference", 3, left, right)
 
 
 def angle(quaternion: Array) -> Array:
@@ -88,7 +87,12 @@ def angle(quaternion: Array) -> Array:
 
 def distance(left: Array, right: Array) -> Array:
     """Angles in radians, in [0, pi], between the rotations of unit quaternions, shape=[..., 4]."""
-    return _each(elementwise.distance, 1, left, right)[..., 0]
+    # plain NumPy, as that is all that reading a clip needs
+    a, b, c, d = np.moveaxis(np.asarray(left, dtype=np.float64), -1, 0)
+    x, y, z, w = np.moveaxis(np.asarray(right, dtype=np.float64), -1, 0)
+    vector = d * x - a * w - b * z + c * y, d * y + a * z - b * w - c * x, d * z - a * y + b * x - c * w
+    sine = np.sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2])
+    return 2.0 * np.arctan2(sine, np.abs(d * w + a * x + b * y + c * z))
 
 
 def make_continuous(quaternion: Array, axis: int = 0) -> Array:
@@ -162,14 +166,24 @@ def from_matrix(matrix: Array) -> Array:
     return normalize(np.moveaxis(column, 0, -1))
 
 
-def _each(kernel: Callable[..., None], width: int, *operands: Array) -> Array:
+@cache
+def _kernels() -> ModuleType:
+    """Import the compiled loops on first use, since Numba takes long to load."""
+    from geomstats_anim.kernels import quaternions
+
+    return quaternions
+
+
+def _each(kernel: str, width: int, *operands: Array) -> Array:
     """Apply a compiled loop along all leading axes, broadcast against each other; shape=[..., width]."""
     shape = operands[0].shape[:-1]
     if any(operand.shape[:-1] != shape for operand in operands):
         shape = np.broadcast_shapes(*(operand.shape[:-1] for operand in operands))
         operands = tuple(np.broadcast_to(operand, (*shape, operand.shape[-1])) for operand in operands)
     out = np.empty((*shape, width))
-    kernel(*(plain(operand).reshape(-1, operand.shape[-1]) for operand in operands), out.reshape(-1, width))
+    getattr(_kernels(), kernel)(
+        *(plain(operand).reshape(-1, operand.shape[-1]) for operand in operands), out.reshape(-1, width)
+    )
     return out
 
 

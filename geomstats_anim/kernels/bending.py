@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from geomstats_anim.kernels.compilation import compiled
 from geomstats_anim.kernels.hermite import weights
-from geomstats_anim.kernels.vectors import compiled, cross, multiply
+from geomstats_anim.kernels.vectors import cross, multiply
 
 
 @compiled

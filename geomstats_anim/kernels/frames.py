@@ -5,8 +5,9 @@ Each joint has a side, and the rotation P to the principal axes of its metric as
 
 from __future__ import annotations
 
+from geomstats_anim.kernels.compilation import compiled
 from geomstats_anim.kernels.quaternions import log_of
-from geomstats_anim.kernels.vectors import compiled, conjugate, multiply, rotate_back
+from geomstats_anim.kernels.vectors import conjugate, multiply, rotate_back
 
 
 @compiled

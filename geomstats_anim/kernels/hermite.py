@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from geomstats_anim.kernels.vectors import compiled
+from geomstats_anim.kernels.compilation import compiled
 
 _NATURAL = 0.5
 """c'' = 0 at u = 0 where v_k - w_k^- = -(v_{k+1} - w_k^+) / 2."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from geomstats_anim.kernels import vectors
-from geomstats_anim.kernels.vectors import compiled
+from geomstats_anim.kernels.compilation import compiled
 
 
 @compiled
@@ -77,11 +77,3 @@ def difference(left, right, out):
         vector = log_of(vectors.multiply(vectors.conjugate(left[i]), right[i]))
         for k in range(3):
             out[i, k] = vector[k]
-
-
-@compiled
-def distance(left, right, out):
-    """Measure angles, shape=[n, 1], between the rotations of unit quaternions, shape=[n, 4]."""
-    for i in range(len(out)):
-        between = vectors.multiply(vectors.conjugate(left[i]), right[i])
-        out[i, 0] = 2.0 * np.arctan2(np.sqrt(vectors.dot(between, between)), abs(between[3]))

@@ -20,8 +20,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from geomstats_anim.kernels.compilation import compiled
 from geomstats_anim.kernels.simd import LANES, fabs, load, maximum, minimum, rint, splat, sqrt, store
-from geomstats_anim.kernels.vectors import compiled, cross, dot, load3, load4, multiply, rotate_back, store3
+from geomstats_anim.kernels.vectors import cross, dot, load3, load4, multiply, rotate_back, store3
 
 ORDER = 16
 """Order of the power series: a power of two, so that the step comes from square roots alone."""

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from geomstats_anim.kernels.vectors import compiled, multiply, rotate
+from geomstats_anim.kernels.compilation import compiled
+from geomstats_anim.kernels.vectors import multiply, rotate
 
 _PATIENCE = 24
 """Segments in a row that are beyond the tolerance before longer ones are no longer tried: slerp may meet a motion that

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from geomstats_anim.kernels.compilation import compiled
 from geomstats_anim.kernels.rigid_body import (
     MOMENTUM,
     SERIES_ROWS,
@@ -25,7 +26,7 @@ from geomstats_anim.kernels.rigid_body import (
     step_size,
 )
 from geomstats_anim.kernels.simd import LANES, load, minimum, splat, store
-from geomstats_anim.kernels.vectors import compiled, cross, dot, load3, rotate_back, store3
+from geomstats_anim.kernels.vectors import cross, dot, load3, rotate_back, store3
 
 # Directions: the three components of the initial momentum, log alpha, log beta. Row 3 d + i is component i.
 _MOMENTA = 3

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from geomstats_anim.kernels.compilation import compiled
 from geomstats_anim.kernels.rigid_body import (
     SERIES_ROWS,
     TOLERANCE,
@@ -24,7 +25,7 @@ from geomstats_anim.kernels.rigid_body import (
     step_size,
 )
 from geomstats_anim.kernels.simd import LANES, load, minimum, store
-from geomstats_anim.kernels.vectors import compiled, rotate_back
+from geomstats_anim.kernels.vectors import rotate_back
 
 CONVERGED, STALLED, MAX_ITERATIONS = 0, 1, 2
 _GO_ON = -1

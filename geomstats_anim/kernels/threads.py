@@ -1,42 +1,18 @@
-"""What the compiled kernels need around them: a word to the user when they compile, and threads to run in."""
+"""Threads for the compiled kernels, which release the GIL."""
 
 from __future__ import annotations
 
-import logging
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 
-import numba.core.event
-
-_logger = logging.getLogger("geomstats_anim")
-
 _MIN_CHUNK = 512
 """Fewest problems that are worth a thread of their own."""
 
 
-class _CompilationNotice(numba.core.event.Listener):
-    """Says once in a process that a kernel of this package is being compiled, and not merely loaded."""
-
-    def __init__(self) -> None:
-        self._said = False
-
-    def on_start(self, event: numba.core.event.Event) -> None:
-        module = event.data["dispatcher"].py_func.__module__
-        if not self._said and module.partition(".")[0] == "geomstats_anim":
-            self._said = True
-            _logger.warning("Compiling the geodesic kernels: about ten seconds, once for this installation.")
-
-    def on_end(self, event: numba.core.event.Event) -> None:
-        """Nothing more to say."""
-
-
-numba.core.event.register("numba:compile", _CompilationNotice())
-
-
 def in_threads(run: Callable[[slice], None], n_problems: int) -> None:
-    """Call a function that releases the GIL on consecutive parts of a batch, one a processor.
+    """Call a function that releases the GIL on consecutive parts of a batch, one per processor.
 
     Parameters
     ----------

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from numba import njit
-
+from geomstats_anim.kernels.compilation import compiled
 from geomstats_anim.kernels.simd import load, store
-
-# without fast math, and so without fused multiply-adds, every compilation on every machine rounds the same way
-compiled = njit(cache=True, nogil=True, error_model="numpy")
 
 
 @compiled

@@ -30,6 +30,18 @@ def test_the_package_and_its_words_need_nothing(code):
     assert not _modules_after(code) & {"numpy", "scipy", "numba", "geomstats"}
 
 
+def test_a_clip_and_a_metric_are_made_and_compared_without_compiled_code():
+    code = """
+from geomstats_anim import Animation, LearnedMetric, MetricParameters, Skeleton, rotations
+skeleton = Skeleton(["arm"], [-1], [[0, 0, 0]], [[0, 0, 0, 1]])
+turn = Animation(skeleton, [0, 1], [[[0, 0, 0, 1]], [[1, 0, 0, 0]]], [[[0, 0, 0]], [[0, 0, 1]]])
+assert abs(rotations.distance(turn.rotations[1:], turn.rotations[:-1]).item() - 3.14159265) < 1e-8
+metric = LearnedMetric(["arm"], MetricParameters(2.0, 0.5))
+assert LearnedMetric.from_json(metric.to_json()).parameters.alpha == 2.0
+"""
+    assert not _modules_after(code) & {"scipy", "numba", "geomstats"}
+
+
 @pytest.mark.parametrize("name", geomstats_anim.__all__)
 def test_every_public_name_is_listed_and_imported_on_first_use(name):
     assert name in dir(geomstats_anim)

@@ -8,7 +8,7 @@ import samples
 from geomstats_anim import rotations as quat
 from geomstats_anim.geodesics.pose_geodesics import LogStatus
 from geomstats_anim.geodesics.shortest import injectivity_radius, shortest_momenta
-from geomstats_anim.kernels import threads as compilation
+from geomstats_anim.kernels import threads
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -218,7 +218,7 @@ def test_the_same_bits_alone_and_among_others_on_one_thread_and_on_two(monkeypat
     inertia, vector = samples.moments(rng, n, 30.0), samples.gaps(rng, n, 0.0, 120.0)
 
     def solve_on(n_processors):
-        monkeypatch.setattr(compilation.os, "sched_getaffinity", lambda _: set(range(n_processors)), raising=False)
+        monkeypatch.setattr(threads.os, "sched_getaffinity", lambda _: set(range(n_processors)), raising=False)
         return shortest_momenta(inertia, vector)
 
     one, two = solve_on(1), solve_on(2)
