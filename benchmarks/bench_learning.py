@@ -197,7 +197,7 @@ def corpus_speed(animation: Animation) -> Line:
     starts = np.linspace(first, 0.5 * (first + last), CORPUS_CLIPS)
     clips = [interpolate(animation, np.linspace(start, last, CORPUS_FRAMES), "slerp") for start in starts]
     keys = [uniform_keyframes(clip.n_frames, 0.1) for clip in clips]
-    taken = seconds(lambda: learn_metric(clips, keys), 1)
+    taken = seconds(lambda: learn_metric(clips, keys, scheme="geodesic"), 1)
     what = f"corpus of {CORPUS_CLIPS} clips x {CORPUS_FRAMES} frames x {animation.n_joints} joints"
     return Line(what, f"{CORPUS_BAR:g} s", f"{taken:.1f} s", taken < CORPUS_BAR)
 

@@ -144,7 +144,7 @@ def geodesics() -> Figure:
         draw_sphere(axes, view)
         for word, color, metric in curves:
             plain = color == TRUTH
-            path = interpolate(keys, times, metric=metric)
+            path = interpolate(keys, times, "geodesic", metric)
             draw_path(axes, tips(path), color, 6.0 if plain else 2.4, view, 4.0 if plain else 5.0, word)
             if not plain:
                 axes.plot(*view.apply(tips(path)[20:-1:20])[:, :2].T, ".", color=color, ms=7, zorder=6)
@@ -211,11 +211,11 @@ def landscape() -> Figure:
         for row, b in enumerate(exponents):
             for column, a in enumerate(exponents):
                 metric = MetricParameters([np.exp(a)], [np.exp(b)], invariance=side)
-                share[row, column] = quality(interpolate(keys, whole.times, metric=metric), whole, "rot") / slerp
+                share[row, column] = quality(interpolate(keys, whole.times, "geodesic", metric), whole, "rot") / slerp
         levels = np.arange(np.floor(share.min() * 50.0) / 50.0, 1.2, 0.02)
         filled = axes.contourf(exponents, exponents, share, levels, cmap="PuOr_r", extend="max", vmin=0.85, vmax=1.15)
         axes.contour(exponents, exponents, share, [1.0], colors=[INK], linewidths=1.2)
-        found = learn_metric(whole, kept, invariance=side, kind="rot")
+        found = learn_metric(whole, kept, invariance=side, scheme="geodesic", kind="rot")
         best = np.log([found.parameters.alpha[0], found.parameters.beta[0]])
         worth = found.provenance["score"] / slerp
         axes.plot(0.0, 0.0, "D", color=look("slerp").color, mec="white", ms=10)

@@ -192,7 +192,7 @@ def draw(animation: Animation, skin: Skin, joint: int, rate: float) -> Figure:
 
     kept, times = uniform_keyframes(animation.n_frames, rate), animation.times
     keys = animation.at_frames(kept)
-    metrics = {"slerp": None, "geodesic": learn_metric(animation, kept, family="spd")}
+    metrics = {"slerp": None, "geodesic": learn_metric(animation, kept, family="spd", scheme="geodesic")}
     motions = {name: interpolate(keys, times, name, metric) for name, metric in metrics.items()}
     dense = np.union1d(times, np.linspace(times[0], times[-1], 8 * len(times)))
     paths = {"original": animation} | {n: interpolate(keys, dense, n, metric) for n, metric in metrics.items()}

@@ -10,6 +10,8 @@ from geomstats_anim.animation import Animation
 from geomstats_anim.interpolation.curves import Curve, Metric
 from geomstats_anim.interpolation.metric_schemes import Geodesic, GeodesicSpline
 from geomstats_anim.interpolation.plain_schemes import Constant, Linear, RotationSpline, Slerp, Squad
+from geomstats_anim.learned_metric import LearnedMetric
+from geomstats_anim.names import DEFAULT_SCHEME
 
 
 class FallbackWarning(UserWarning):
@@ -29,7 +31,7 @@ SCHEMES: dict[str, type[Curve]] = {
 
 
 def interpolate(
-    animation: Animation, times: ArrayLike, scheme: str = "geodesic", metric: Metric | None = None
+    animation: Animation, times: ArrayLike, scheme: str | None = None, metric: Metric | None = None
 ) -> Animation:
     """Interpolate an animation.
 
@@ -41,7 +43,7 @@ def interpolate(
         Seconds, strictly increasing.
     scheme : str
         A name in `SCHEMES`.
-        Optional, default: "geodesic".
+        Optional, default: the scheme that a learned metric was made for, else "geodesic-spline".
     metric : MetricParameters or LearnedMetric
         A learned metric is matched to the joints by name.
         Optional, default: the bi-invariant metric.
@@ -70,6 +72,8 @@ def interpolate(
     >>> interpolate(keys, [0.5], metric=MetricParameters([2.0], [0.5])).rotations.round(4)
     array([[[0.3162, 0.    , 0.    , 0.9487]]])
     """
+    if scheme is None:
+        scheme = metric.scheme if isinstance(metric, LearnedMetric) else DEFAULT_SCHEME
     if scheme not in SCHEMES:
         raise ValueError(f"There is no scheme {scheme!r}; the schemes are {', '.join(SCHEMES)}.")
     curve = SCHEMES[scheme](animation, metric)

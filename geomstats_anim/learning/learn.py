@@ -20,7 +20,7 @@ from geomstats_anim.learned_metric import LearnedMetric
 from geomstats_anim.learning.gradient import Found, Learnable, search_gradient
 from geomstats_anim.learning.objective import Objective
 from geomstats_anim.learning.shrinkage import Fold, blocks, shrink
-from geomstats_anim.names import PURPOSES, SEARCHES, WITH_METRIC
+from geomstats_anim.names import DEFAULT_SCHEME, PURPOSES, SEARCHES, WITH_METRIC
 from geomstats_anim.parameters import CurveParameters
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def learn_metric(
     purpose: str = "reconstruct",
     family: str = "diagonal",
     invariance: str = "joint",
-    scheme: str = "geodesic",
+    scheme: str = DEFAULT_SCHEME,
     kind: str = "hyb",
     seed: int = 0,
     *,
@@ -72,7 +72,7 @@ def learn_metric(
         Optional, default: "joint".
     scheme : str
         Interpolation scheme to learn for.
-        Optional, default: "geodesic".
+        Optional, default: "geodesic-spline".
     kind : str
         Quality to minimise: "loc", "rot" or "hyb".
         Optional, default: "hyb".

@@ -9,7 +9,16 @@ import samples
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, RotationSpline
 
-from geomstats_anim import SCHEMES, Animation, FallbackWarning, LearnedMetric, LogStatus, MetricParameters, interpolate
+from geomstats_anim import (
+    SCHEMES,
+    Animation,
+    FallbackWarning,
+    LearnedMetric,
+    LogStatus,
+    MetricParameters,
+    interpolate,
+    names,
+)
 from geomstats_anim import rotations as quat
 from geomstats_anim.geodesics import pose_geodesics as geodesics_module
 
@@ -294,6 +303,23 @@ def test_joints_that_a_learned_metric_does_not_know_are_named():
         result = interpolate(keys, dense(keys), "geodesic", known)
     slerped = interpolate(keys, dense(keys), "slerp")
     assert quat.distance(result.rotations, slerped.rotations)[:, 1].max() < 1e-12
+
+
+def test_the_scheme_is_that_of_the_metric_or_the_spline():
+    keys = clip()
+    parameters = metric_for(keys)
+    times = dense(keys)
+    learned = {scheme: LearnedMetric(keys.skeleton.joints, parameters, None, scheme) for scheme in names.WITH_METRIC}
+    for metric, scheme in (
+        (None, "geodesic-spline"),
+        (parameters, "geodesic-spline"),
+        *((learned[s], s) for s in learned),
+    ):
+        left, named = interpolate(keys, times, metric=metric), interpolate(keys, times, scheme, metric)
+        np.testing.assert_array_equal(left.rotations, named.rotations)
+        np.testing.assert_array_equal(left.translations, named.translations)
+    two = (interpolate(keys, times, metric=learned[scheme]).rotations for scheme in names.WITH_METRIC)
+    assert quat.distance(*two).max() > 0.01
 
 
 def test_an_unknown_scheme():

@@ -18,11 +18,11 @@ start = time.perf_counter()
 skeleton = Skeleton(["arm"], [-1], [[0, 0, 0]], [[0, 0, 0, 1]])
 keys = Animation(skeleton, [0, 1], [[[0, 0, 0, 1]], [[0.36, 0.48, 0, 0.8]]], np.zeros((2, 1, 3)))
 metric = MetricParameters(2.0, 0.5)
-pose = interpolate(keys, [0.5], metric=metric).rotations[0, 0]
+pose = interpolate(keys, [0.5], "geodesic", metric).rotations[0, 0]
 # more keys, a velocity instead of an end, and other arrays must not compile anything again
 first = time.perf_counter() - start
 more = Animation(skeleton, [0, 1, 2], [[[0, 0, 0, 1]], [[0.36, 0.48, 0, 0.8]], [[1, 0, 0, 0]]], np.zeros((3, 1, 3)))
-interpolate(more, np.linspace(0, 2, 7, dtype=np.float32), metric=metric)
+interpolate(more, np.linspace(0, 2, 7, dtype=np.float32), "geodesic", metric)
 print(pose.tolist(), first, time.perf_counter() - start - first)
 """
 

@@ -92,7 +92,7 @@ def test_a_metric_that_loses_says_so():
     truth = noise(n_frames=81)
 
     def learn(animation, keyframes):
-        return learn_metric(animation, keyframes)
+        return learn_metric(animation, keyframes, scheme="geodesic")
 
     scores = assess(truth, 0.3, learn(truth, uniform_keyframes(81, 0.3)), learn)
     assert scores[0].verdict == "beats slerp"

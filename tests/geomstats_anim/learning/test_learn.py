@@ -28,7 +28,7 @@ def test_the_contract():
     names = "animation keyframes search purpose family invariance scheme kind seed".split()
     found = list(inspect.signature(learn_metric).parameters.values())
     assert [one.name for one in found[: len(names)]] == names
-    defaults = ["gradient", "reconstruct", "diagonal", "joint", "geodesic", "hyb", 0]
+    defaults = ["gradient", "reconstruct", "diagonal", "joint", "geodesic-spline", "hyb", 0]
     assert [one.default for one in found[2 : len(names)]] == defaults
     assert all(one.kind is one.KEYWORD_ONLY for one in found[len(names) :])
 
@@ -37,7 +37,7 @@ def test_the_contract():
 @pytest.mark.parametrize("weights", [None, "depth"])
 def test_the_scores_are_the_quality_of_what_is_rebuilt(kind, weights):
     truth = wandering()
-    found = learn_metric(truth, KEYS, kind=kind, weights=weights, location_weight=0.3)
+    found = learn_metric(truth, KEYS, scheme="geodesic", kind=kind, weights=weights, location_weight=0.3)
     assert (found.joints, found.scheme, found.quality) == (truth.skeleton.joints, "geodesic", kind)
     for name, metric_used in (("score", found), ("slerp_score", None)):
         rebuilt = interpolate(truth.at_frames(KEYS), truth.times, "geodesic", metric_used)
@@ -77,7 +77,7 @@ def test_predicting_what_a_metric_made_keeps_the_metric():
     truth = wandering(1, n_frames=81)
     keys = uniform_keyframes(81, 0.15)
     made = interpolate(truth.at_frames(keys), truth.times, "geodesic", hidden)
-    found = learn_metric(made, keys, purpose="predict", kind="rot")
+    found = learn_metric(made, keys, purpose="predict", scheme="geodesic", kind="rot")
     assert found.provenance["score"] < 0.2 * found.provenance["slerp_score"]
     assert np.mean(found.provenance["shrinkage"]) > 0.5
     assert found.provenance["cross_validated_score"] < found.provenance["cross_validated_slerp_score"]
@@ -100,8 +100,8 @@ def test_predicting_from_a_fit_is_the_same(scheme):
 
 def test_a_spline_is_no_worse_than_slerp_the_plain_spline_and_the_geodesic():
     truth = wandering()
-    geodesic = learn_metric(truth, KEYS)
-    spline = learn_metric(truth, KEYS, scheme="geodesic-spline").provenance
+    geodesic = learn_metric(truth, KEYS, scheme="geodesic")
+    spline = learn_metric(truth, KEYS).provenance
     assert spline["score"] < min(spline["slerp_score"], spline["plain_score"], geodesic.provenance["score"])
 
 
