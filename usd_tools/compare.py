@@ -23,6 +23,7 @@ from usd_tools.console.arguments import add_prim, add_workers, share
 from usd_tools.console.errors import Messages, ToolError, print_warning, run
 from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.progress import Progress
+from usd_tools.console.text import say
 from usd_tools.files.folders import check_folder, made_beside
 from usd_tools.files.openusd_errors import openusd_errors, usd_warnings
 from usd_tools.learning.files import Skipped, files_in, read_clips, take_all
@@ -77,6 +78,7 @@ def parser() -> ArgumentParser:
     )
     add_workers(parse)
     add_prim(parse)
+    parse.add_argument("-v", "--verbose", action="store_true", help="print all columns of the tables")
     return parse
 
 
@@ -99,9 +101,11 @@ def compare(args: argparse.Namespace) -> int:
         with made_beside(args.out) as folder:
             rows = _write(args, folder, clips, outcomes, skipped, messages)
     for each in clips:
-        comparison_tables.tell(each.name, [row for row in rows if row.clip == each.name], args.kind)
-    print(comparison_tables.EXPLANATION)
-    print(f"{args.out} is written; open {args.out / 'index.html'} in a browser.")
+        comparison_tables.tell(each.name, [row for row in rows if row.clip == each.name], args.kind, args.verbose)
+    say(comparison_tables.EXPLANATION)
+    if args.verbose:
+        say(comparison_tables.FITTED)
+    say(f"Wrote {args.out}; open {args.out / 'index.html'} in a browser.")
     return 0
 
 

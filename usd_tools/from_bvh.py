@@ -20,7 +20,7 @@ from usd_tools.console.arguments import add_format, positive_number
 from usd_tools.console.errors import Messages, ToolError, print_warning, run
 from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.progress import Progress
-from usd_tools.console.tables import counted
+from usd_tools.console.text import counted
 from usd_tools.files.openusd_errors import openusd_errors
 from usd_tools.files.paths import check_usd_output, same_file
 from usd_tools.skel import output

@@ -21,7 +21,8 @@ from pxr import Usd, UsdGeom, UsdSkel
 
 from usd_tools.console.errors import Messages, ToolError, print_warning, run
 from usd_tools.console.parser import ArgumentParser
-from usd_tools.console.tables import counted, show
+from usd_tools.console.tables import show
+from usd_tools.console.text import counted
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
 from usd_tools.files.stages import open_stage
 from usd_tools.metrics import explain as metric_meaning

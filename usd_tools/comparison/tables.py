@@ -1,37 +1,40 @@
-"""A comparison as tables on stdout: one a clip, what was not learned from beside what was."""
+"""A comparison as tables on stdout: one per clip, out-of-sample scores beside in-sample ones."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from usd_tools.comparison.cells import Row
-from usd_tools.console.tables import counted, show
+from usd_tools.console.tables import show
+from usd_tools.console.text import counted
 
-HEADER = (
+_COLUMNS = ("rate", "scheme", "mean cm", "max cm", "Q_hyb", "unseen Q")
+_ALL_COLUMNS = (
     "rate",
     "scheme",
     "keys",
+    "mean cm",
+    "max cm",
+    "mean deg",
     "Q_loc m2",
     "Q_rot rad",
     "Q_hyb",
-    "mean deg",
-    "mean cm",
-    "max cm",
+    "unseen Q",
+    "fitted unseen Q",
     "kB NumPy",
     "kB usdc",
     "s learn",
     "ms rebuild",
-    "unseen Q",
-    "fitted unseen Q",
 )
 EXPLANATION = (
-    "Q is summed over joints and averaged over frames; lower is better. What is learned is scored on the frames that "
-    "it was learned from (in-sample). Out of sample is 'unseen Q': the second half of the clip, with the metric "
-    "learned from the first half to predict, and 'fitted unseen Q': with the one that fits the first half best."
+    "Q is summed over joints and averaged over frames; lower is better. Learned schemes are scored on the frames that "
+    "they were fitted to (in-sample). unseen Q is out of sample: scored on the second half of the clip, with a metric "
+    "learned from the first half to predict."
 )
+FITTED = "fitted unseen Q: the same, with the metric that fits the first half best."
 
 
-def tell(clip: str, rows: Sequence[Row], kind: str) -> None:
+def tell(clip: str, rows: Sequence[Row], kind: str, verbose: bool) -> None:
     """Print the table of a clip.
 
     Parameters
@@ -41,44 +44,44 @@ def tell(clip: str, rows: Sequence[Row], kind: str) -> None:
         Of that clip.
     kind : str
         Quality that is shown for unseen frames.
+    verbose : bool
+        Whether to show all columns.
     """
     unseen = {(row.rate, row.scheme, row.purpose): row for row in rows if row.out_of_sample}
     whole = [row for row in rows if not row.out_of_sample]
     table = []
     for row in whole:
-        learned = row.family is not None
-        predicted = unseen.get((row.rate, row.scheme, "predict" if learned else None))
+        predicted = unseen.get((row.rate, row.scheme, None if row.family is None else "predict"))
         fitted = unseen.get((row.rate, row.scheme, "reconstruct"))
-        table.append(
-            (
-                f"{row.rate:g}",
-                row.scheme,
-                *(_cells(row) if row.error is None else ("failed", *[""] * 10)),
-                _quality(predicted, kind),
-                _quality(fitted, kind),
-            )
-        )
+        cells = _cells(row) | {"unseen Q": _quality(predicted, kind), "fitted unseen Q": _quality(fitted, kind)}
+        table.append([cells.get(column, "") for column in (_ALL_COLUMNS if verbose else _COLUMNS)])
     frames = next((f", {row.frames} samples of {counted(row.joints or 0, 'joint')}" for row in whole if row.frames), "")
-    show(f"{clip}{frames}", table, HEADER)
+    show(f"{clip}{frames}", table, _ALL_COLUMNS if verbose else _COLUMNS)
 
 
-def _cells(row: Row) -> tuple[str, ...]:
+def _cells(row: Row) -> dict[str, str]:
+    """Write the values of a row, by the names of their columns."""
+
     def number(value: float | None, digits: str) -> str:
         return "" if value is None else format(value, digits)
 
-    return (
-        number(row.keys, "d"),
-        number(row.q_loc, ".4g"),
-        number(row.q_rot, ".4g"),
-        number(row.q_hyb, ".4g"),
-        number(row.mean_rotation_deg, ".3f"),
-        number(row.mean_location_cm, ".3f"),
-        number(row.max_location_cm, ".2f"),
-        number((row.bytes_numpy or 0) / 1000.0, ".1f"),
-        number((row.bytes_usdc or 0) / 1000.0, ".1f"),
-        "" if row.family is None else number(row.seconds_learn, ".2f"),
-        number(1000.0 * (row.seconds_interpolate or 0.0), ".1f"),
-    )
+    name = {"rate": f"{row.rate:g}", "scheme": row.scheme}
+    if row.error is not None:
+        return {**name, "mean cm": "failed"}
+    return {
+        **name,
+        "keys": number(row.keys, "d"),
+        "mean cm": number(row.mean_location_cm, ".3f"),
+        "max cm": number(row.max_location_cm, ".2f"),
+        "mean deg": number(row.mean_rotation_deg, ".3f"),
+        "Q_loc m2": number(row.q_loc, ".4g"),
+        "Q_rot rad": number(row.q_rot, ".4g"),
+        "Q_hyb": number(row.q_hyb, ".4g"),
+        "kB NumPy": number((row.bytes_numpy or 0) / 1000.0, ".1f"),
+        "kB usdc": number((row.bytes_usdc or 0) / 1000.0, ".1f"),
+        "s learn": "" if row.family is None else number(row.seconds_learn, ".2f"),
+        "ms rebuild": number(1000.0 * (row.seconds_interpolate or 0.0), ".1f"),
+    }
 
 
 def _quality(row: Row | None, kind: str) -> str:

@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Callable
 
-from usd_tools.console.text import printable
+from usd_tools.console.text import print_to
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C: 128 and the number of SIGINT."""
@@ -45,7 +45,7 @@ class Messages:
 
 def print_warning(sentence: str) -> None:
     """Print a warning on stderr: the listener of the command line."""
-    print(f"warning: {printable(sentence)}", file=sys.stderr)
+    print_to(sys.stderr, f"warning: {sentence}")
 
 
 def run(command: Callable[[], int]) -> int:
@@ -78,5 +78,5 @@ def run(command: Callable[[], int]) -> int:
         return 1
     except OSError as error:
         sentence = f"{error.filename}: {error.strerror}" if error.filename else str(error)
-    print(f"error: {printable(sentence)}", file=sys.stderr)
+    print_to(sys.stderr, f"error: {sentence}")
     return 1

@@ -7,6 +7,8 @@ import time
 from types import TracebackType
 from typing import Any, Self
 
+from usd_tools.console.text import printable
+
 PATIENCE = 2.0
 """Seconds before the bar shows."""
 
@@ -41,12 +43,18 @@ class Progress:
             from rich.progress import Progress as Bar
             from rich.progress import TextColumn, TimeElapsedColumn
 
-            console = Console(stderr=True)
+            console = Console(stderr=True, emoji=False)
             unknown = (TextColumn("{task.description}"), TimeElapsedColumn()) if self._total is None else ()
             self._bar = Bar(*unknown, console=console, transient=True)
             self._bar.start()
-            self._task = self._bar.add_task(self._description, total=self._total)
-        self._bar.update(self._task, completed=self._done, description=self._description)
+            self._task = self._bar.add_task("", total=self._total)
+        self._bar.update(self._task, completed=self._done, description=self._shown())
+
+    def _shown(self) -> str:
+        """Return the description without what rich or a terminal would obey: it may hold names from files."""
+        from rich.markup import escape
+
+        return escape(printable(self._description))
 
     def __exit__(
         self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None

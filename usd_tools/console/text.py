@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import shutil
+import sys
+import textwrap
 import unicodedata
 from collections.abc import Iterable, Sequence
+from typing import TextIO
 
 _RAW = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 """Unicode categories that a terminal obeys or cannot show: controls, directions, halves of pairs, ends of lines."""
@@ -33,9 +37,31 @@ def _escaped(character: str) -> str:
     return character.encode("unicode_escape", "surrogatepass").decode("ascii")
 
 
-def say(text: object) -> None:
-    """Print one line on stdout, as far as it is printable."""
-    print(printable(str(text)))
+def say(sentence: str) -> None:
+    """Print a sentence on stdout; a terminal breaks it between words."""
+    print_to(sys.stdout, sentence)
+
+
+def say_command(command: str) -> None:
+    """Print a command on a line of its own, never broken, so that it can be pasted."""
+    print(f"  {printable(command)}")
+
+
+def print_to(stream: TextIO, sentence: str) -> None:
+    """Print a sentence: one line, but on a terminal no wider than that, with its indent kept."""
+    line = printable(sentence)
+    if stream.isatty():
+        indent = " " * (len(line) - len(line.lstrip()))
+        width = shutil.get_terminal_size().columns
+        line = textwrap.fill(
+            line.lstrip(),
+            width,
+            initial_indent=indent,
+            subsequent_indent=indent,
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
+    print(line, file=stream)
 
 
 def did_you_mean(word: str, words: Iterable[str]) -> str:
@@ -50,3 +76,8 @@ def did_you_mean(word: str, words: Iterable[str]) -> str:
 def listed(words: Sequence[str]) -> str:
     """Join alternatives: "a", "a or b", "a, b or c"."""
     return " or ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+
+
+def counted(number: float, thing: str) -> str:
+    """Say how many there are of a thing, whose plural ends in s."""
+    return f"{number if isinstance(number, int) else format(number, 'g')} {thing}{'' if number == 1 else 's'}"

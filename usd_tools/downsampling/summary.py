@@ -13,7 +13,8 @@ from geomstats_anim import LearnedMetric
 from geomstats_anim.names import WITH_METRIC
 from geomstats_anim.rotations import Array
 from usd_tools.console.errors import Messages
-from usd_tools.console.tables import counted, show
+from usd_tools.console.tables import show
+from usd_tools.console.text import counted
 from usd_tools.downsampling.reduce import Reduced
 from usd_tools.downsampling.thinning import Errors
 from usd_tools.files.atomic import written_beside

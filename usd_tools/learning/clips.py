@@ -12,7 +12,7 @@ import numpy as np
 from geomstats_anim import Animation, Skeleton
 from geomstats_anim.learning.learn import turns
 from usd_tools.console.errors import ToolError
-from usd_tools.console.tables import counted
+from usd_tools.console.text import counted
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.resampling import animation_of
 

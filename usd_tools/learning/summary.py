@@ -7,7 +7,8 @@ from typing import Any
 
 from geomstats_anim.learned_metric import Score
 from usd_tools.console.errors import Messages
-from usd_tools.console.tables import counted, show
+from usd_tools.console.tables import show
+from usd_tools.console.text import counted
 from usd_tools.learning.files import Skipped
 from usd_tools.learning.train import Lesson
 from usd_tools.metrics.attributes import summary

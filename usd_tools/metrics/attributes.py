@@ -11,7 +11,7 @@ from pxr import Sdf, Usd, Vt
 from geomstats_anim import LearnedMetric, MetricParameters
 from geomstats_anim.learned_metric import FORMAT_VERSION
 from usd_tools.console.errors import ToolError
-from usd_tools.console.tables import counted
+from usd_tools.console.text import counted
 
 NAMESPACE = "geodesicMetric"
 SUMMARY = f"userProperties:{NAMESPACE}"

@@ -12,7 +12,7 @@ import numpy as np
 from pxr import Usd
 
 from usd_tools.console.errors import Messages, ToolError
-from usd_tools.console.tables import counted
+from usd_tools.console.text import counted
 from usd_tools.files.openusd_gaps import lost_by_flattening
 from usd_tools.files.paths import check_output, check_usd_output, same_file
 from usd_tools.skel.find import AnimationSource

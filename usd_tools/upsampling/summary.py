@@ -10,7 +10,7 @@ import numpy as np
 
 from geomstats_anim.interpolation.curves import Fallback
 from usd_tools.console.errors import Messages
-from usd_tools.console.tables import counted
+from usd_tools.console.text import counted
 from usd_tools.metrics.attributes import summary
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.resampling import Resampled
