@@ -77,7 +77,7 @@ def turning(rotations: Array, times: Array) -> Animation:
 
 
 def tips(animation: Animation) -> Array:
-    """Places of the end of the bone, (F, 3)."""
+    """Return the places of the end of the bone, (F, 3)."""
     return Rotation.from_quat(animation.rotations[:, 0]).apply(animation.skeleton.bone_ends[0].copy())
 
 
@@ -186,7 +186,7 @@ def tension() -> Figure:
     sphere.legend(loc="lower center", ncol=2, bbox_to_anchor=(0.5, -0.16), frameon=False)
     for time in keys.times:
         speed.axvline(time, color=FAINT, lw=0.8, ls=":", zorder=-1)
-    speed.set(ylabel="degrees a second", xlabel="seconds; keys are dotted", ylim=(0.0, None))
+    speed.set(ylabel="degrees per second", xlabel="seconds; keys are dotted", ylim=(0.0, None))
     share = np.linspace(0.0, 1.0, 201)
     first, second = hermite(share)
     bends.plot(share, first, color=_PALETTE[1], lw=1.8)
@@ -305,7 +305,7 @@ def keys() -> Figure:
         color = look("geodesic-spline").color if name == "chosen" else FAINT
         places.plot(animation.times[kept], np.full(len(kept), height), "o", color=color, ms=6)
         places.text(animation.times[-1] * 1.02, height, name, color=color, va="center")
-    places.set(xlabel="seconds", ylabel="mean angular speed, degrees a second")
+    places.set(xlabel="seconds", ylabel="mean angular speed, degrees per second")
     places.set_yticks([tick for tick in places.get_yticks() if tick >= 0.0 and tick < -10.5 * low])
     return figure
 

@@ -23,7 +23,7 @@ _LONGEST = 42
 
 
 def verbs() -> list[str]:
-    """Names of all modules with a parser and a main, in the order in which they are used."""
+    """Return the names of all modules with a parser and a main, in the order in which they are used."""
     found = []
     for path in _FOLDER.glob("*.py"):
         functions = {node.name for node in ast.parse(path.read_text("utf-8")).body if isinstance(node, ast.FunctionDef)}
@@ -43,7 +43,7 @@ def _as_code(found: re.Match[str]) -> str:
 
 
 def _described(action: argparse.Action, parse: argparse.ArgumentParser) -> Iterator[str]:
-    """Lines of reStructuredText for one argument."""
+    """Yield the lines of reStructuredText for one argument."""
     value = ""
     if action.nargs != 0:
         value = action.metavar or (_choices(action) if action.choices else action.dest)

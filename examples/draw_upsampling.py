@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_WIDTH, _HEIGHT, _FINE = 2000, 1000, 2  # pixels; samples a pixel, each way
-_SCALE, _SMALL = 236.0, 180.0  # pixels for a metre
+_WIDTH, _HEIGHT, _FINE = 2000, 1000, 2  # pixels; samples per pixel, each way
+_SCALE, _SMALL = 236.0, 180.0  # pixels per metre
 _SHOWN, _SPACING = 8, 0.9  # keys in the strip, where the body moves most, and metres between them
 _PAPER, _INK, _FAINT, _KEY, _TRUTH = "#fafafa", "#2b2d42", "#85879a", "#59628c", "#b4b5bd"
 _SLERP, _GEODESIC = "#e5a400", "#7b3fb5"  # the papers' yellow and purple
@@ -75,8 +75,8 @@ def view(points: np.ndarray, turn: float, tilt: float) -> np.ndarray:
 def paint(axes: Axes, points: np.ndarray, quads: np.ndarray, color: str, scale: float, glass: bool = False) -> None:
     """Paint a skin with smooth shading: sample its quads densely, far ones first, into a buffer of normals.
 
-    Points are right, up and towards the viewer, in metres; scale is in pixels for a metre. One sees through glass,
-    least at its outline.
+    Points are right, up and towards the viewer, in metres; scale is in pixels per metre. Glass is
+    transparent, least at its outline.
     """
     from matplotlib.colors import to_rgb
 

@@ -1,4 +1,4 @@
-"""Write the five example clips: a 24-joint biped with a skin, 30 samples a second, as UsdSkel."""
+"""Write the five example clips: a 24-joint biped with a skin, 30 samples per second, as UsdSkel."""
 
 from __future__ import annotations
 

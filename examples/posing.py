@@ -1,4 +1,4 @@
-"""From key poses to joint rotations: what an animator says about a body, and the curves and limbs that follow from it.
+"""From key poses to joint rotations: what an animator specifies, and the curves and limbs that follow from it.
 
 A pose is told in anatomical terms. Turns are (bend, twist, lean) in degrees: forwards, to the left, to the left. An
 arm or a leg is told by where its hand or foot is; two-bone inverse kinematics finds the shoulder and elbow, hip and
@@ -19,10 +19,10 @@ from scipy.spatial.transform import Rotation
 Vector = tuple[float, float, float]
 
 RATE = 30
-"""Samples a second."""
+"""Samples per second."""
 
 GRAVITY = 9.81
-"""Metres a second squared."""
+"""Metres per second squared."""
 
 _BALL_HEIGHT = OFFSETS[INDEX["Hips"], 1] + sum(
     OFFSETS[INDEX[f"Left{name}"], 1] for name in ("Thigh", "Shin", "Foot", "Toes")
@@ -46,7 +46,7 @@ _SWAY |= {side + "Hand": (1.5, 2.0, 2.0) for side, _ in _SIDES}
 
 @dataclass(frozen=True)
 class Arm:
-    """An arm, told for the left; the right one is its mirror image.
+    """An arm, described for the left; the right one is its mirror image.
 
     `hand` is where the wrist is, from the shoulder's place at rest, in the upper chest's frame: x outwards, metres.
     `elbow` is the direction in which the elbow points. `wrist` is (pronation, deviation towards the back, extension)
@@ -61,7 +61,7 @@ class Arm:
 
 @dataclass(frozen=True)
 class Foot:
-    """A foot, told by its ball, so that the heel can rise while the ball stays.
+    """A foot, described by its ball, so that the heel can rise while the ball stays.
 
     `ball` is where it is: (x, height above standing, z), metres. `yaw` turns the toes to the left and `pitch` lifts
     the heel, degrees; the toes stay flat while the ball is on the ground. A foot that changes place between two
@@ -75,7 +75,7 @@ class Foot:
 
     @property
     def toes(self) -> float:
-        """How far the toes bend upwards, degrees."""
+        """Return the angle by which the toes bend upwards, degrees."""
         return self.pitch if self.ball[1] == 0.0 else 0.0
 
 
@@ -99,7 +99,7 @@ class Pose:
 
 @dataclass(frozen=True)
 class Motion:
-    """Samples of a motion, RATE a second.
+    """Samples of a motion, RATE per second.
 
     `rotations` (F, 24, 4) are joint-local unit quaternions, scalar last, without sign flips; `hips` (F, 3) is the
     root's track in metres; `box`, if anything is sat upon, its lowest and highest corner in metres.

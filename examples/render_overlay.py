@@ -64,7 +64,7 @@ def color_of(text: str) -> tuple[float, float, float, float]:
 
 
 def material(name: str, color: str, opacity: float = 1.0) -> Any:
-    """Make a material; one sees through it, less at the outline, and never its inner side."""
+    """Make a transparent material, denser at the outline, whose inner side never shows."""
     made = bpy.data.materials.new(name)
     made.use_nodes = True
     nodes, links = made.node_tree.nodes, made.node_tree.links

@@ -1,4 +1,4 @@
-"""The five motions, each told as key poses."""
+"""The five motions, each described by key poses."""
 
 from __future__ import annotations
 
@@ -19,4 +19,4 @@ MOTIONS: dict[str, Callable[[], Motion]] = {
     "jumping": jumping,
     "sitting": sitting,
 }
-"""What makes a motion, by its name."""
+"""Functions that make a motion, by its name."""
