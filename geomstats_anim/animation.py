@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geomstats_anim import rotations as quat
+from geomstats_anim.names import repeated_name
 from geomstats_anim.rotations import Array
 
 _UNIT_TOLERANCE = 1e-2
@@ -85,8 +86,8 @@ class Skeleton:
         """Check and freeze the arrays."""
         joints = tuple(str(joint) for joint in self.joints)
         n_joints = len(joints)
-        if len(set(joints)) != n_joints:
-            twice = next(joint for i, joint in enumerate(joints) if joint in joints[:i])
+        twice = repeated_name(joints)
+        if twice is not None:
             raise ValueError(f"Joint names must be unique, but {twice!r} is there twice.")
         parents = np.array(self.parents, dtype=np.intp)
         if parents.shape != (n_joints,):

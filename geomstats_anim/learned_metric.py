@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from geomstats_anim.names import repeated_name
 from geomstats_anim.parameters import CurveParameters, MetricParameters
 from geomstats_anim.rotations import Array
 
@@ -64,8 +65,8 @@ class LearnedMetric:
     def __post_init__(self) -> None:
         """Check and freeze the arrays."""
         joints = tuple(str(joint) for joint in self.joints)
-        if len(set(joints)) != len(joints):
-            twice = next(joint for i, joint in enumerate(joints) if joint in joints[:i])
+        twice = repeated_name(joints)
+        if twice is not None:
             raise ValueError(f"Joint names must be unique, but {twice!r} is there twice.")
         if self.parameters.n_joints != len(joints):
             raise ValueError(f"There are {len(joints)} joints, but metric parameters for {self.parameters.n_joints}.")

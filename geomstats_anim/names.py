@@ -1,5 +1,7 @@
 """The words that options and files use: the one place for them, without dependencies, so that parsers need no more."""
 
+from collections.abc import Sequence
+
 SCHEME_NAMES = ("constant", "linear", "slerp", "squad", "rotation-spline", "geodesic", "geodesic-spline")
 """Interpolation schemes."""
 
@@ -38,3 +40,13 @@ SEARCHES = ("gradient", "tpe", "tpe-joint")
 
 TRIALS, JOINT_TRIALS = 1000, 100
 """Default number of trials of the search over all joints at once, and of the search for each joint."""
+
+
+def repeated_name(names: Sequence[str]) -> str | None:
+    """Return the first name that is there before, or None."""
+    seen: set[str] = set()
+    for name in names:
+        if name in seen:
+            return name
+        seen.add(name)
+    return None

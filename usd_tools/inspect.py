@@ -29,8 +29,9 @@ from usd_tools.metrics import explain as metric_meaning
 from usd_tools.metrics.attributes import read_metric, read_source_codes, summary
 from usd_tools.metrics.explain import JointMeaning, joint_meanings, worth
 from usd_tools.skel.channels import Channel
-from usd_tools.skel.clip import SkelClip, names_in, read_clip
+from usd_tools.skel.clip import SkelClip, read_clip
 from usd_tools.skel.find import AnimationSource, find_animations
+from usd_tools.skel.joint_names import read_names
 from usd_tools.skel.rotation_checks import (
     WIDE_DEGREES,
     count_not_unit,
@@ -137,7 +138,7 @@ def _describe_skeleton(prim: Usd.Prim, sources: list[AnimationSource], messages:
 
 def _count_joints(skeleton: Usd.Prim, messages: Messages) -> int | None:
     try:
-        return len(names_in(skeleton, "joints"))
+        return len(read_names(skeleton, "joints"))
     except ToolError as error:
         messages.warn(str(error))
         return None
@@ -166,7 +167,7 @@ def _describe_animation(source: AnimationSource, messages: Messages) -> dict[str
         "error": None,
         "joints": len(clip.joints),
         "still_joints": _count_still(clip),
-        "blend_shapes": len(names_in(source.prim, "blendShapes")),
+        "blend_shapes": len(read_names(source.prim, "blendShapes")),
         "meters_per_unit": clip.world_scale,
         "channels": {name: _describe_channel(channel) for name, channel in clip.channels.items()},
         **_describe_times(clip),
@@ -198,7 +199,7 @@ def _describe_times(clip: SkelClip) -> dict[str, Any]:
         "samples": len(codes),
         "codes": [float(codes[0]), float(codes[-1])],
         "seconds": [float(code / clip.codes_per_second) for code in codes[[0, -1]]],
-        "samples_per_second": float(clip.codes_per_second / np.median(gaps)),
+        "samples_per_second": clip.samples_per_second(),
         "evenly_spaced": bool(np.allclose(gaps, gaps[0], rtol=1e-4)),
     }
 

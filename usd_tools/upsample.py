@@ -31,7 +31,7 @@ from usd_tools.skel.resampling import Resampled, at_rate, resample, subdivided, 
 from usd_tools.skel.time_codes import clips_with_source_codes, codes_for
 from usd_tools.upsampling.joint_styles import Style, parse_style
 from usd_tools.upsampling.metric import EffectiveMetric, effective_metrics
-from usd_tools.upsampling.summary import Job, described, tell, usual_rate
+from usd_tools.upsampling.summary import Job, described, tell
 
 MAX_ROTATIONS = 1 << 27
 """More than these are taken for a slip of the finger: 2 GiB of quaternions."""
@@ -184,9 +184,9 @@ def _target_codes(args: argparse.Namespace, clip: SkelClip, messages: Messages) 
     if option == "factor":
         return subdivided(clip, args.factor)
     if option == "fps":
-        if args.fps < 0.999 * usual_rate(clip, clip.codes):
+        if args.fps < 0.999 * clip.samples_per_second():
             messages.warn(
-                f"{clip.path} has {usual_rate(clip, clip.codes):g} samples a second, more than --fps {args.fps:g}; "
+                f"{clip.path} has {clip.samples_per_second():g} samples a second, more than --fps {args.fps:g}; "
                 "samples are only ever added."
             )
         return at_rate(clip, args.fps)

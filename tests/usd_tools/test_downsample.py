@@ -10,7 +10,7 @@ from real_files import CLIPS, real_file
 from rigs import ANIMATION, JOINTS, SKELETON, bits, make_rig, random_rotations, read, set_samples, stored_metric
 from scipy.spatial.transform import Rotation
 
-from usd_tools.skel.joint_names import short_names
+from usd_tools.console.text import short_names
 
 AMOUNTS = (["--rate", ".3"], ["--keys", "7"], ["--tolerance", "1"])
 QUICK = ["--scheme", "slerp"]

@@ -11,8 +11,8 @@ from pxr import Usd, Vt
 
 from usd_tools.bvh.reader import read_bvh
 from usd_tools.console.errors import ToolError
-from usd_tools.skel.clip import BONE_ENDS
 from usd_tools.skel.new_file import SKELETON
+from usd_tools.skel.skeleton import BONE_ENDS
 
 
 @pytest.fixture
@@ -247,5 +247,5 @@ def test_bone_ends_that_do_not_fit(tmp_path, run, refuse, ends):
     stage.Save()
     sentence = refuse("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2)
     assert sentence == (
-        f"{SKELETON}: {BONE_ENDS} must be a double3[] of 5 finite vectors, one for each joint; correct or remove it."
+        f"{SKELETON}: {BONE_ENDS} must be a double3[] of 5 finite vectors, one per joint; correct or remove it."
     )

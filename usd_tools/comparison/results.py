@@ -15,9 +15,9 @@ import numpy as np
 from usd_tools.comparison.cells import Outcome, Rebuilt, Row, rebuild
 from usd_tools.console.errors import Messages
 from usd_tools.learning.clips import Take
-from usd_tools.skel.channels import Channel
-from usd_tools.skel.clip import JOINT_CHANNELS, SkelClip
-from usd_tools.skel.resampling import resample
+from usd_tools.skel.channels import JOINT_CHANNELS, Channel
+from usd_tools.skel.clip import SkelClip
+from usd_tools.skel.resampling import resample, signs_towards
 from usd_tools.skel.writer import OverrideLayer, save
 
 COLUMNS = tuple(field.name for field in fields(Row))
@@ -132,13 +132,10 @@ def rebuilt_channels(clip: SkelClip, take: Take, rebuilt: Rebuilt) -> dict[str, 
         values, times = channel.values[kept], times[kept]
         for stretch, keys in zip(rebuilt.stretches, rebuilt.keys, strict=True):
             between = np.delete(np.arange(stretch.n_frames), keys)
-            new = getattr(stretch, name)[between][:, clip.columns]
+            new = clip.to_file_units(name, stretch)[between]
             place = np.searchsorted(times, stretch.times[between])
-            if name == "translations":
-                new = new / clip.world_scale
             if name == "rotations":  # signs as in the source, for DCCs that interpolate components
-                old = values[place].astype(np.float64)
-                new = new * np.where(np.einsum("fnc,fnc->fn", new, old) < 0.0, -1.0, 1.0)[..., None]
+                new = new * signs_towards(values[place], new)
             values[place] = new
         channels[name] = replace(channel, codes=channel.codes[kept], values=values, blocked=channel.blocked[kept])
     return channels

@@ -1,4 +1,4 @@
-"""Text for a terminal: names from files are harmless, and a mistyped word gets a suggestion."""
+"""Text for a terminal: harmless whatever names files have, a suggestion for a mistyped word, short names of joints."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import shutil
 import sys
 import textwrap
 import unicodedata
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import TextIO
 
@@ -81,3 +82,27 @@ def listed(words: Sequence[str]) -> str:
 def counted(number: float, thing: str) -> str:
     """Say how many there are of a thing, whose plural ends in s."""
     return f"{number if isinstance(number, int) else format(number, 'g')} {thing}{'' if number == 1 else 's'}"
+
+
+def short_names(joints: Sequence[str]) -> dict[str, str]:
+    """Take as much from the end of each joint's path as tells it from the others.
+
+    Parameters
+    ----------
+    joints : sequence of str
+        Full paths.
+
+    Returns
+    -------
+    names : dict
+        By path.
+    """
+    ends = {joint: _ends(joint) for joint in joints}
+    counts = Counter(end for each in ends.values() for end in each)
+    return {joint: next((end for end in each if counts[end] == 1), joint) for joint, each in ends.items()}
+
+
+def _ends(joint: str) -> list[str]:
+    """All ends of a path, the shortest first."""
+    parts = joint.split("/")
+    return ["/".join(parts[start:]) for start in reversed(range(len(parts)))]

@@ -18,7 +18,7 @@ from geomstats_anim.learning.compression import Compressed
 from geomstats_anim.names import LARGEST
 from usd_tools.console.arguments import TimeCodes
 from usd_tools.console.errors import Messages, ToolError
-from usd_tools.downsampling.thinning import Errors, Thinning, aligned, restored
+from usd_tools.downsampling.thinning import Errors, Thinning, restored, sampled_alike
 from usd_tools.files.stages import open_stage
 from usd_tools.metrics.attributes import read_metric, read_source_codes
 from usd_tools.metrics.explain import BY_JOINT, errors_by_joint
@@ -138,7 +138,7 @@ def reduce_clip(
     ToolError
         If it cannot be done as wanted.
     """
-    clip = aligned(clip)
+    clip = sampled_alike(clip)
     for note in (*clip.notes, *left_sparse(clip)):
         messages.warn(note)
     if not (clip.is_animated and clip.joints):
@@ -237,7 +237,7 @@ def _provenance(
         "prims": [clip.path],
         "samples": len(clip.codes),
         "kept_samples": len(sparse.codes),
-        "source_rate": float(clip.codes_per_second / np.median(np.diff(clip.codes))),
+        "source_rate": clip.samples_per_second(),
         "source_range": [float(clip.codes[0]), float(clip.codes[-1])],
         "mean_degrees": round(float(errors.degrees.mean()), 6) if errors.degrees.size else 0.0,
         "largest_centimetres": round(float(errors.centimetres.max(initial=0.0)), 6),

@@ -14,7 +14,7 @@ from geomstats_anim.names import WITH_METRIC
 from geomstats_anim.rotations import Array
 from usd_tools.console.errors import Messages
 from usd_tools.console.tables import show
-from usd_tools.console.text import counted
+from usd_tools.console.text import counted, short_names
 from usd_tools.downsampling.reduce import Reduced
 from usd_tools.downsampling.thinning import Errors
 from usd_tools.files.atomic import written_beside
@@ -22,7 +22,6 @@ from usd_tools.files.paths import same_file
 from usd_tools.files.stages import standing
 from usd_tools.metrics.attributes import summary
 from usd_tools.skel.clip import SkelClip
-from usd_tools.skel.joint_names import short_names
 from usd_tools.skel.sizes import clip_bytes_numpy, clip_bytes_usdc
 
 PICTURES = (".png", ".svg", ".pdf")

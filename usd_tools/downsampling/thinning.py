@@ -21,10 +21,10 @@ THINNED = ("rotations", "translations")
 them."""
 
 
-def aligned(clip: SkelClip) -> SkelClip:
+def sampled_alike(clip: SkelClip) -> SkelClip:
     """Sample rotations and translations that change at the same times, as USD shows them; keys need both."""
     moving = {name: clip.channels[name] for name in THINNED if name in clip.channels}
-    moving = {name: channel for name, channel in moving.items() if channel.is_animated and not _is_constant(channel)}
+    moving = {name: channel for name, channel in moving.items() if channel.is_animated and not channel.is_constant}
     codes = [channel.codes for channel in moving.values()]
     if len(codes) < 2 or np.array_equal(codes[0], codes[1]):
         return clip
@@ -56,7 +56,7 @@ class Thinning:
         moving = [
             name
             for name in THINNED
-            if name in clip.channels and clip.channels[name].is_animated and not _is_constant(clip.channels[name])
+            if name in clip.channels and clip.channels[name].is_animated and not clip.channels[name].is_constant
         ]
         if not moving:
             return cls(clip, (), ())
@@ -67,13 +67,13 @@ class Thinning:
     @property
     def animations(self) -> list[Animation]:
         """Motion of each stretch."""
-        return [self.clip.keys(self.names, span) for span in self.spans]
+        return [keys for _, keys in self.clip.stretches(self.names)] if self.names else []
 
     @property
     def kept_whole(self) -> tuple[str, ...]:
         """Channels that change and are not thinned."""
         channels = self.clip.channels
-        return tuple(name for name in channels if name not in self.names and not _is_constant(channels[name]))
+        return tuple(name for name in channels if name not in self.names and not channels[name].is_constant)
 
     def frames_at(self, codes: np.ndarray) -> list[np.ndarray]:
         """Find the frames of each stretch that are at some of the time codes."""
@@ -100,7 +100,7 @@ class Thinning:
                     kept[span] = False
                     kept[span.start + frames] = True
                 channels[name] = _samples(channel, kept)
-            elif _is_constant(channel):
+            elif channel.is_constant:
                 channels[name] = _samples(channel, np.zeros(len(channel.codes), dtype=bool))
             else:
                 channels[name] = channel
@@ -161,11 +161,6 @@ class Errors:
         rotation = float(np.radians(self.degrees).sum(axis=-1).mean())
         shares = kind_shares(kind)
         return shares.location * location + shares.rotation * rotation
-
-
-def _is_constant(channel: Channel) -> bool:
-    """Whether every sample is the same, bit for bit up to the sign of quaternions, and none is blocked."""
-    return not channel.blocked.any() and bool(channel.holds.all())
 
 
 def _same_samples(one: Channel, other: Channel) -> bool:

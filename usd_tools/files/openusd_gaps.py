@@ -1,4 +1,4 @@
-"""What OpenUSD's own tools lose on the way, and how it is kept."""
+"""Workarounds for data that OpenUSD's utilities drop."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def modify_asset_paths(layer: Sdf.Layer, modified: Callable[[str], str]) -> None
         layer.subLayerOffsets[i] = offset
 
 
-def flattened(stage: Usd.Stage) -> Sdf.Layer:
+def flatten_stage(stage: Usd.Stage) -> Sdf.Layer:
     """Call `Usd.Stage.Flatten`, which leaves out targets that are blocked, so that those of ancestors show through."""
     layer = stage.Flatten(addSourceFileComment=False)
     for prim in _all_prims(stage):

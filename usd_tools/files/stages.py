@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from pxr import Ar, Sdf, Usd, UsdUtils
+from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 
 from usd_tools.console.errors import Messages, ToolError
-from usd_tools.files.openusd_errors import reading, usd_unheard
+from usd_tools.files.openusd_errors import commentary, reading, usd_unheard
 from usd_tools.files.paths import EXTENSIONS, check_input
 
 
@@ -34,6 +34,35 @@ def open_stage(path: Path) -> Usd.Stage:
         raise ToolError(f"{path} is not a USD file; its name must end in {', '.join(EXTENSIONS)}.")
     with reading(path):
         return Usd.Stage.Open(str(path))
+
+
+def export_layer(layer: Sdf.Layer, path: Path, usd_format: str | None = None, check: bool = False) -> None:
+    """Write a layer to a file.
+
+    Parameters
+    ----------
+    layer : Sdf.Layer
+    path : Path
+    usd_format : str
+        "usda" or "usdc" for a file that ends in .usd.
+        Optional, default: "usdc".
+    check : bool
+        Whether to read it again: of damaged files OpenUSD may write what it cannot read.
+        Optional, default: False.
+
+    Raises
+    ------
+    ToolError
+        If it cannot be written.
+    """
+    arguments = {"format": usd_format or "usdc"} if path.suffix == ".usd" else {}
+    if not layer.Export(str(path), args=arguments):
+        raise ToolError(f"{path.name} cannot be written; is there room on the disk?")
+    if check:
+        try:
+            Sdf.Layer.OpenAsAnonymous(str(path))
+        except Tf.ErrorException as error:
+            raise ToolError(f"{path.name} could not be read again: {commentary(error).rstrip('.')}.") from error
 
 
 def missing_files(path: Path) -> list[str]:

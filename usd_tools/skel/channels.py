@@ -11,6 +11,9 @@ from pxr import Sdf, Usd, Vt
 
 from usd_tools.console.errors import ToolError
 
+JOINT_CHANNELS = ("rotations", "translations", "scales")
+"""Channels of which every joint has one element."""
+
 STEP_SECONDS = 1e-3
 """Two samples nearer than this are a step: nothing is recorded at more than 1000 a second, but stepped keys are
 authored as a sample just before and one at the time of the change."""
@@ -106,6 +109,11 @@ class Channel:
         left, right = self.values[:-1], self.values[1:]
         same = (left == right).all(axis=-1)
         return same | (left == -right).all(axis=-1) if self.name == "rotations" else same
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether every sample is the same, bit for bit, and none is blocked."""
+        return not self.blocked.any() and bool(self.holds.all())
 
 
 def write_samples(spec: Sdf.AttributeSpec, channel: Channel, stretch: float = 1.0) -> None:

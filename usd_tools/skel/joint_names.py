@@ -1,11 +1,26 @@
-"""Names of joints: those that USD takes, from names that are free text, and short ones for tables."""
+"""Names of joints in a file: read, and made from free text."""
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 
-from pxr import Sdf, Tf
+from pxr import Sdf, Tf, Usd, Vt
+
+from usd_tools.console.errors import ToolError
+
+
+def read_names(prim: Usd.Prim, name: str) -> tuple[str, ...]:
+    """Read an attribute of tokens; empty if it has no value.
+
+    Raises
+    ------
+    ToolError
+        If it holds something else.
+    """
+    value = prim.GetAttribute(name).Get()
+    if value is not None and not isinstance(value, Vt.TokenArray):
+        raise ToolError(f"{prim.GetPath()}: {name} is not of type token[]; repair the file.")
+    return tuple(value or ())
 
 
 def joint_paths(names: Sequence[str], parents: Sequence[int]) -> list[str]:
@@ -41,27 +56,3 @@ def unique(names: Sequence[str]) -> list[str]:
         seen.add(new)
         told_apart.append(new)
     return told_apart
-
-
-def short_names(joints: Sequence[str]) -> dict[str, str]:
-    """Take as much from the end of each joint's path as tells it from the others.
-
-    Parameters
-    ----------
-    joints : sequence of str
-        Full paths.
-
-    Returns
-    -------
-    names : dict
-        By path.
-    """
-    ends = {joint: _ends(joint) for joint in joints}
-    counts = Counter(end for each in ends.values() for end in each)
-    return {joint: next((end for end in each if counts[end] == 1), joint) for joint, each in ends.items()}
-
-
-def _ends(joint: str) -> list[str]:
-    """All ends of a path, the shortest first."""
-    parts = joint.split("/")
-    return ["/".join(parts[start:]) for start in reversed(range(len(parts)))]

@@ -10,7 +10,7 @@ from pxr import Kind, Sdf, Usd, UsdGeom, UsdSkel, Vt
 from geomstats_anim import Animation
 from geomstats_anim.kinematics import world_pose
 from usd_tools.skel.channels import CHANNELS
-from usd_tools.skel.clip import BONE_ENDS
+from usd_tools.skel.skeleton import BONE_ENDS
 
 ROOT = Sdf.Path("/Character")
 SKELETON, ANIMATION = (ROOT.AppendChild(name) for name in ("Skeleton", "Animation"))

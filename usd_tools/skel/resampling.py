@@ -12,7 +12,7 @@ from geomstats_anim import SCHEMES, Animation, LearnedMetric
 from geomstats_anim.interpolation.curves import Curve, Fallback
 from usd_tools.console.errors import ToolError
 from usd_tools.skel.channels import Channel
-from usd_tools.skel.clip import JOINT_CHANNELS, SkelClip
+from usd_tools.skel.clip import SkelClip
 
 CHUNK = 1 << 18
 """Rotations evaluated at once: enough to keep NumPy busy, few enough to need little memory."""
@@ -141,27 +141,50 @@ def resample(
     filled = {name: _held(channel, codes) for name, channel in animated.items()}
     fallbacks: list[Fallback] = []
     n_spans = sum(len(channel.stretches(clip.codes_per_second)) for channel in animated.values())
-    for names in _sampled_together(animated):
-        for span in animated[names[0]].stretches(clip.codes_per_second):
-            if names == ("blendShapeWeights",):
-                _fill_linearly(animated[names[0]], span, filled[names[0]])
-                advance(1.0 / n_spans)
-                continue
-            try:
-                curve = SCHEMES[scheme](clip.keys(names, span), metric)
+    weights = animated.pop("blendShapeWeights", None)
+    if weights is not None:
+        for span in weights.stretches(clip.codes_per_second):
+            _fill_linearly(weights, span, filled[weights.name])
+            advance(1.0 / n_spans)
+    for names in _sampled_alike(animated):
+        try:
+            for span, keys in clip.stretches(names):
+                curve = SCHEMES[scheme](keys, metric)
                 fallbacks += curve.fallbacks
                 for share in _fill(clip, names, span, curve, filled):
                     advance(share * len(names) / n_spans)
-            except ValueError as error:
-                raise ToolError(f"{clip.path} cannot be interpolated: {error}") from error
+        except ValueError as error:
+            raise ToolError(f"{clip.path} cannot be interpolated: {error}") from error
     return Resampled(filled, tuple(fallbacks))
 
 
-def animation_of(clip: SkelClip) -> Animation:
-    """Motion of a clip as one animation of its whole skeleton.
+def sampled_together(clip: SkelClip) -> SkelClip:
+    """Sample all animated channels at the same times, as USD shows them; all are blocked where one of them is.
 
-    Where channels are sampled at different times, they are read at all of them, as USD shows them. Stretches in which
-    a channel is blocked are left out.
+    Parameters
+    ----------
+    clip : SkelClip
+
+    Returns
+    -------
+    together : SkelClip
+    """
+    animated = {name: channel for name, channel in clip.channels.items() if channel.is_animated}
+    if len(_sampled_alike(animated)) < 2:
+        return clip
+    shown = resample(clip, clip.codes, "slerp").channels
+    live = reduce(np.intersect1d, [channel.codes[~channel.blocked] for channel in shown.values()])
+    blocked = ~np.isin(clip.codes, live)
+    together = {}
+    for name, channel in shown.items():
+        values = np.zeros((len(clip.codes), *channel.values.shape[1:]), dtype=channel.values.dtype)
+        values[~blocked] = channel.values[np.isin(channel.codes, live)]
+        together[name] = replace(channel, codes=clip.codes, values=values, blocked=blocked)
+    return replace(clip, channels={**clip.channels, **together})
+
+
+def animation_of(clip: SkelClip) -> Animation:
+    """Make one animation of the whole skeleton, at all samples of a clip that are not blocked, see `sampled_together`.
 
     Parameters
     ----------
@@ -171,19 +194,9 @@ def animation_of(clip: SkelClip) -> Animation:
     -------
     animation : Animation
     """
-    animated = {name: channel for name, channel in clip.channels.items() if channel.is_animated}
-    same = all(np.array_equal(channel.codes, clip.codes) for channel in animated.values())
-    aligned = animated if same else resample(clip, clip.codes, "slerp").channels
-    live = [channel.codes[~channel.blocked] for channel in aligned.values()]
-    codes = reduce(np.intersect1d, live)
-    channels = {name: _at(channel, codes) for name, channel in aligned.items()}
-    return replace(clip, channels={**clip.channels, **channels}).keys(tuple(channels), slice(None))
-
-
-def _at(channel: Channel, codes: np.ndarray) -> Channel:
-    """Keep the samples at some of a channel's own time codes."""
-    index = np.searchsorted(channel.codes, codes)
-    return replace(channel, codes=codes, values=channel.values[index], blocked=channel.blocked[index])
+    names = tuple(name for name, channel in clip.channels.items() if channel.is_animated)
+    together = sampled_together(clip)
+    return together.keys(names, ~together.channels[names[0]].blocked)
 
 
 def _held(channel: Channel, codes: np.ndarray) -> Channel:
@@ -194,11 +207,11 @@ def _held(channel: Channel, codes: np.ndarray) -> Channel:
     return replace(channel, codes=codes[kept], values=channel.values[last], blocked=channel.blocked[last])
 
 
-def _sampled_together(channels: Mapping[str, Channel]) -> list[tuple[str, ...]]:
-    """Group the channels of joints that have the same samples, so that one curve serves all of them."""
+def _sampled_alike(channels: Mapping[str, Channel]) -> list[tuple[str, ...]]:
+    """Group channels that have the same samples and blocks."""
     groups: dict[tuple[object, ...], list[str]] = {}
     for name, channel in channels.items():
-        groups.setdefault((channel.codes.tobytes(), channel.blocked.tobytes(), name in JOINT_CHANNELS), []).append(name)
+        groups.setdefault((channel.codes.tobytes(), channel.blocked.tobytes()), []).append(name)
     return [tuple(names) for names in groups.values()]
 
 
@@ -216,15 +229,14 @@ def _fill(
         for name in names:
             source = clip.channels[name]
             left = source.values[span][segment]
-            values = _from_metric_units(clip, name, dense)
+            values = clip.to_file_units(name, dense)
             if name == "rotations":
                 # A quaternion and its negative are one rotation, and USD interpolates the shorter way whatever the
                 # signs, so signs are free in USD. Blender interpolates components: between a sample and its negated
                 # neighbour it passes through zero. Samples keep their signs, so where the source flips, one gap must;
                 # in-betweens continue from the left, which leaves it the last and short one.
                 at_key = np.searchsorted(codes[a:b], keys[segment])
-                dots = np.einsum("fnc,fnc->fn", values[at_key], left.astype(np.float64))
-                values = values * np.where(dots < 0.0, -1.0, 1.0)[..., None]
+                values = values * signs_towards(left, values[at_key])
             moves = between[:, None] & ~source.holds[span.start : span.stop - 1][segment]
             filled[name].values[a:b][moves] = values[moves]
         yield (b - a) / (stop - first)
@@ -239,10 +251,10 @@ def _chunks(keys: np.ndarray, size: int) -> Iterator[tuple[int, int]]:
         start = stop
 
 
-def _from_metric_units(clip: SkelClip, name: str, dense: Animation) -> np.ndarray:
-    """Values of a channel in the file's units and its order of joints, shape=[F, N, C], float64."""
-    values = getattr(dense, name)[:, clip.columns]
-    return values / clip.world_scale if name == "translations" else values
+def signs_towards(reference: np.ndarray, quaternions: np.ndarray) -> np.ndarray:
+    """Return the signs, shape=[F, N, 1], with which quaternions, shape=[F, N, 4], are nearer to a reference."""
+    dots = np.einsum("fnc,fnc->fn", quaternions, reference.astype(np.float64))
+    return np.where(dots < 0.0, -1.0, 1.0)[..., None]
 
 
 def _fill_linearly(source: Channel, span: slice, filled: Channel) -> None:

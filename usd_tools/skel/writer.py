@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import os
 import tempfile
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Ar, Sdf, Tf, Usd, UsdUtils
+from pxr import Ar, Sdf, Usd
 
 from geomstats_anim import LearnedMetric, __version__
-from usd_tools.console.errors import Messages, ToolError
+from usd_tools.console.errors import Messages
 from usd_tools.files.atomic import written_beside
-from usd_tools.files.openusd_errors import TEMPORARY, commentary
-from usd_tools.files.openusd_gaps import flattened, lost_by_packing, modify_asset_paths
+from usd_tools.files.openusd_errors import TEMPORARY
+from usd_tools.files.openusd_gaps import flatten_stage, modify_asset_paths
+from usd_tools.files.packages import pack, unpack
 from usd_tools.files.paths import relative_asset_path
-from usd_tools.files.stages import missing_files
+from usd_tools.files.stages import export_layer
 from usd_tools.metrics.attributes import NAMESPACE, write_metric, write_source_codes, write_summary
 from usd_tools.skel.channels import CHANNELS, Channel, write_samples
 from usd_tools.skel.find import AnimationSource
@@ -167,10 +167,12 @@ def save(
         if out.suffix == ".usdz":
             _save_package(override.layer, source, beside, flatten)
         else:
-            layer = _flattened(override.layer, source, out.parent, _context(source)) if flatten else override.layer
-            if not flatten:
+            layer = override.layer
+            if flatten:
+                layer = _flatten_override(layer, source, out.parent, _context(source))
+            else:
                 layer.subLayerPaths = [relative_asset_path(source, out.parent)]
-            _export(layer, beside, usd_format, check=flatten)
+            export_layer(layer, beside, usd_format, check=flatten)
 
 
 def save_in_place(override: OverrideLayer, source: Path) -> None:
@@ -185,7 +187,7 @@ def save_in_place(override: OverrideLayer, source: Path) -> None:
         is_binary = file.read(8) == b"PXR-USDC"
     with written_beside(source) as beside:
         usd_format = ("usdc" if is_binary else "usda") if source.suffix == ".usd" else None
-        _export(override.layer, beside, usd_format, check=True)
+        export_layer(override.layer, beside, usd_format, check=True)
 
 
 def save_copy(override: OverrideLayer, source: Path, out: Path, usd_format: str | None = None) -> None:
@@ -208,7 +210,7 @@ def save_copy(override: OverrideLayer, source: Path, out: Path, usd_format: str 
 
         modify_asset_paths(override.layer, moved)
     with written_beside(out) as beside:
-        _export(override.layer, beside, usd_format, check=True)
+        export_layer(override.layer, beside, usd_format, check=True)
 
 
 def save_layer(layer: Sdf.Layer, out: Path, usd_format: str | None = None) -> None:
@@ -222,27 +224,15 @@ def save_layer(layer: Sdf.Layer, out: Path, usd_format: str | None = None) -> No
     with written_beside(out) as beside:
         if out.suffix == ".usdz":
             with tempfile.TemporaryDirectory(prefix=TEMPORARY) as folder:
-                _pack(layer, Path(folder) / f"{out.stem}.usdc", beside)
+                pack(layer, Path(folder) / f"{out.stem}.usdc", beside)
         else:
-            _export(layer, beside, usd_format)
+            export_layer(layer, beside, usd_format)
 
 
-def _export(layer: Sdf.Layer, path: Path, usd_format: str | None, check: bool = False) -> None:
-    """Write a layer; check what has others' content, for OpenUSD writes of damaged files what it cannot read."""
-    arguments = {"format": usd_format or "usdc"} if path.suffix == ".usd" else {}
-    if not layer.Export(str(path), args=arguments):
-        raise ToolError(f"{path.name} cannot be written; is there room on the disk?")
-    if check:
-        try:
-            Sdf.Layer.OpenAsAnonymous(str(path))
-        except Tf.ErrorException as error:
-            raise ToolError(f"{path.name} could not be read again: {commentary(error).rstrip('.')}.") from error
-
-
-def _flattened(override: Sdf.Layer, source: Path, folder: Path, context: Ar.ResolverContext) -> Sdf.Layer:
+def _flatten_override(override: Sdf.Layer, source: Path, folder: Path, context: Ar.ResolverContext) -> Sdf.Layer:
     """Everything in one layer, with the files that it needs named as seen from a folder."""
     override.subLayerPaths = [os.path.abspath(source)]
-    layer = flattened(Usd.Stage.Open(override, context))
+    layer = flatten_stage(Usd.Stage.Open(override, context))
     for key in sorted(override.pseudoRoot.ListInfoKeys()):
         if key not in _NOT_COPIED or key == "customLayerData":
             layer.pseudoRoot.SetInfo(key, override.pseudoRoot.GetInfo(key))
@@ -262,63 +252,14 @@ def _save_package(override: Sdf.Layer, source: Path, out: Path, flatten: bool) -
         if source.suffix == ".usdz":
             # A package in a package is not valid usdz, so the source is packed anew; its names may count from its root.
             context = _context(Path(folder) / source.name)
-            source = _unpacked(source, Path(folder))
+            source = unpack(source, Path(folder))
         root = Path(folder) / f"{out.stem}.usdc"
         while root.exists():
             root = root.with_stem(f"{root.stem}_over")
         if flatten:
-            layer = _flattened(override, source, root.parent, context)
+            layer = _flatten_override(override, source, root.parent, context)
         else:
             layer = override
             layer.subLayerPaths = [os.path.abspath(source)]
         with Ar.ResolverContextBinder(context):
-            _pack(layer, root, out)
-
-
-def _unpacked(package: Path, folder: Path) -> Path:
-    """Unpack a usdz package, and find its first file, which is the one that counts."""
-    try:
-        # OpenUSD writes names as UTF-8, but does not say so in the file.
-        with zipfile.ZipFile(package, metadata_encoding="utf-8") as archive:
-            archive.extractall(folder)
-            return folder / archive.namelist()[0]
-    except zipfile.BadZipFile as error:
-        raise ToolError(f"{package} is broken: {str(error).rstrip('.')}; pack it again.") from error
-    except UnicodeDecodeError as error:
-        raise ToolError(f"{package} has names that are not UTF-8; pack it again.") from error
-
-
-def _pack(layer: Sdf.Layer, root: Path, out: Path) -> None:
-    """Write a layer to a file, and that with all that it needs to a usdz package."""
-    _export(layer, root, None)
-    lost = lost_by_packing(root)
-    if lost is not None:
-        raise ToolError(
-            f"{out.name} cannot be packed: OpenUSD would forget the offset in time of the sublayer {lost}; add "
-            "--flatten, or name a file that is no package."
-        )
-    if not UsdUtils.CreateNewUsdzPackage(str(root), str(out)):
-        missing = missing_files(root)
-        if missing:
-            raise ToolError(
-                f"{out.name} cannot be packed without {', '.join(missing)}: put what is missing in its place."
-            )
-        raise ToolError(f"{out.name} cannot be packed; does every file that the source needs exist?")
-    try:
-        _forget_times(out)
-    except zipfile.BadZipFile as error:  # on a full disk OpenUSD says nothing
-        raise ToolError(f"{out.name} cannot be written; is there room on the disk?") from error
-
-
-def _forget_times(package: Path) -> None:
-    """Set every file's time in a package to 1980, the oldest of zip's, so that the same input makes the same bytes."""
-    date = b"\x00\x00\x21\x00"
-    data = bytearray(package.read_bytes())
-    with zipfile.ZipFile(package) as archive:
-        entry = archive.start_dir
-        for info in archive.infolist():
-            data[info.header_offset + 10 : info.header_offset + 14] = date
-            data[entry + 12 : entry + 16] = date
-            sizes = np.frombuffer(data, dtype="<u2", count=3, offset=entry + 28)
-            entry += 46 + int(sizes.sum())
-    package.write_bytes(data)
+            pack(layer, root, out)

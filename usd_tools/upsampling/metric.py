@@ -9,10 +9,9 @@ from pathlib import Path
 from geomstats_anim import SCHEMES, LearnedMetric
 from geomstats_anim.names import DEFAULT_SCHEME, WITH_METRIC
 from usd_tools.console.errors import Messages, ToolError
-from usd_tools.console.text import did_you_mean
+from usd_tools.console.text import did_you_mean, short_names
 from usd_tools.metrics.attributes import read_metric
 from usd_tools.skel.clip import SkelClip
-from usd_tools.skel.joint_names import short_names
 from usd_tools.upsampling.joint_styles import Style, styled, unmatched
 
 _WORDS = ("stored", "identity", "learn")

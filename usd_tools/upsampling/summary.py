@@ -28,11 +28,6 @@ class Job:
     result: Resampled
 
 
-def usual_rate(clip: SkelClip, codes: np.ndarray) -> float:
-    """Find the usual number of samples a second."""
-    return float(clip.codes_per_second / np.median(np.diff(codes)))
-
-
 def tell(job: Job, verbose: bool, messages: Messages) -> None:
     """Say on stdout what happens to an animation, and on stderr what went wrong."""
     clip, metric = job.clip, job.effective.metric
@@ -67,7 +62,7 @@ def _growth(job: Job) -> str:
     if len(growth) > 1:
         return ", ".join(f"{a} -> {b} samples of {' and '.join(names)}" for (a, b), names in growth.items())
     clip = job.clip
-    rates = f"{usual_rate(clip, clip.codes):g} -> {usual_rate(clip, job.codes):g} a second"
+    rates = f"{clip.samples_per_second():g} -> {clip.samples_per_second(job.codes):g} a second"
     return f"{len(clip.codes)} -> {len(job.codes)} samples, {rates}"
 
 
@@ -109,8 +104,8 @@ def described(job: Job) -> dict[str, Any]:
         "joints_without_metric": list(job.effective.missing),
         "samples_before": len(clip.codes),
         "samples_after": len(job.codes),
-        "rate_before": usual_rate(clip, clip.codes),
-        "rate_after": usual_rate(clip, job.codes),
+        "rate_before": clip.samples_per_second(),
+        "rate_after": clip.samples_per_second(job.codes),
         "first_time_code": float(clip.codes[0]),
         "last_time_code": float(clip.codes[-1]),
         "channels": {
