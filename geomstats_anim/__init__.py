@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from geomstats_anim.learning.compression import Compressed, compress
     from geomstats_anim.learning.learn import learn_metric
     from geomstats_anim.parameters import MetricParameters
-    from geomstats_anim.riemannian.pose import PoseMetric, PoseSpace, SO3InvariantMetric
+    from geomstats_anim.riemannian.pose import PoseMetric, PoseSpace
+    from geomstats_anim.riemannian.so3 import SO3InvariantMetric
 
 __all__ = [
     "SCHEMES",
@@ -52,7 +53,8 @@ _MODULES = {
     "learning.compression": ("Compressed", "compress"),
     "learning.learn": ("learn_metric",),
     "parameters": ("MetricParameters",),
-    "riemannian.pose": ("PoseMetric", "PoseSpace", "SO3InvariantMetric"),
+    "riemannian.pose": ("PoseMetric", "PoseSpace"),
+    "riemannian.so3": ("SO3InvariantMetric",),
 }
 _MODULE_OF = {name: f"{__name__}.{module}" for module, names in _MODULES.items() for name in names}
 

@@ -151,7 +151,7 @@ class PoseGeodesics:
         self.initial, self.velocity, self.parameters = initial, velocity, parameters
         shape = initial.shape[:-1]
         self._turn: Array | None = None
-        self.status = np.full(shape, LogStatus.CONVERGED)
+        self.status = np.zeros(shape, dtype=np.intp)
         self.residual, self.iterations = np.zeros(shape), np.zeros(shape, dtype=np.intp)
 
     @cached_property
@@ -210,7 +210,7 @@ class PoseGeodesics:
         found = shortest_momenta(moments.reshape(-1, 3), vector.reshape(-1, 3), start, effort)
 
         shape = vector.shape[:-1]
-        converged = (found.status == LogStatus.CONVERGED).reshape(*shape, 1)
+        converged = (found.status == boundary_value.CONVERGED).reshape(*shape, 1)
         momentum = np.where(converged, found.momentum.reshape(vector.shape), vector)
         inverse_moments = np.where(converged, 1.0 / moments, 1.0)
         geodesics = cls(initial, outward * parameters.from_axes(momentum * inverse_moments), parameters)

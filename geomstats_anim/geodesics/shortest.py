@@ -88,7 +88,7 @@ def injectivity_radius(moments: Array) -> Array:
     """
     structure = moments / np.sqrt(moments.prod(axis=-1, keepdims=True))
     mu = 0.5 * structure.sum(axis=-1, keepdims=True) - structure
-    others = np.roll(mu, -1, axis=-1) * np.roll(mu, -2, axis=-1)
+    others = mu[:, [1, 2, 0]] * mu[:, [2, 0, 1]]
     curvature = (structure * mu - others).max(axis=-1)
     return np.minimum(np.pi / np.sqrt(curvature), np.pi * np.sqrt(moments.min(axis=-1)))
 

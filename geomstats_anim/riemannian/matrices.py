@@ -1,4 +1,4 @@
-"""Rotation matrices and their tangent vectors, as Geomstats has them, for kernels that want quaternions and velocities.
+"""Arrays of any Geomstats backend in and out: checked, and turned into what the kernels want.
 
 A tangent vector at R is the matrix R hat(w) = hat(R w) R: w is the angular velocity in the body frame, R w the one in
 the parent's frame.
@@ -6,17 +6,134 @@ the parent's frame.
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
+import geomstats.backend as gs
 import numpy as np
 from numpy.typing import ArrayLike
 
+from geomstats_anim import rotations as quat
+from geomstats_anim.kernels import matrices as kernel
+from geomstats_anim.parameters import MetricParameters
 from geomstats_anim.rotations import Array
 
 TOLERANCE = 1e-6
 """Largest entry of R^T R - 1 that is taken for rounding, and projected away; float32 leaves 2e-7."""
 
 
+class PoseMatrices:
+    """Points of a space and their tangent vectors, as quaternions and velocities.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Shape of a point: (B, 3, 3), or (3, 3) for the one joint of SO(3).
+    parameters : MetricParameters
+        Their sides tell the frame of each joint's velocity: the body's, or the parent's for a right-invariant joint.
+    """
+
+    def __init__(self, shape: tuple[int, ...], parameters: MetricParameters) -> None:
+        self.shape = tuple(shape)
+        self.per_joint = self.shape[:-2]
+        self.n_joints = parameters.n_joints
+        self._is_right = parameters.is_right
+
+    def read_points(self, points: Any, name: str) -> Array:
+        """Read rotation matrices, and project rounding away.
+
+        Parameters
+        ----------
+        points : array-like, shape=[..., *shape]
+            None is the identity.
+        name : str
+            What to call them in an error.
+
+        Returns
+        -------
+        quaternions : array-like, shape=[..., B, 4]
+
+        Raises
+        ------
+        ValueError
+            If the shape is another, or a matrix is further from a rotation than `TOLERANCE`.
+        """
+        if points is None:
+            return np.broadcast_to(quat.IDENTITY, (self.n_joints, 4))
+        matrices = _floats(points, self.shape, name)
+        quaternions = np.empty((*self._batch(matrices), self.n_joints, 4))
+        bad = kernel.read_rotations(quat.plain(matrices).reshape(-1, 3, 3), TOLERANCE, quaternions.reshape(-1, 4))
+        if bad >= 0:
+            _refuse_point(matrices, bad, name)
+        return quaternions
+
+    def read_velocities(self, tangent_vecs: Any, base: Array, name: str) -> Array:
+        """Read tangent vectors; what is not tangent is projected away.
+
+        Parameters
+        ----------
+        tangent_vecs : array-like, shape=[..., *shape]
+        base : array-like, shape=[..., B, 4]
+            Unit quaternions of the base points.
+        name : str
+            What to call them in an error.
+
+        Returns
+        -------
+        velocities : array-like, shape=[..., B, 3]
+
+        Raises
+        ------
+        ValueError
+            If the shape is another, or a number is not finite.
+        """
+        vectors = read(tangent_vecs, self.shape, name)
+        batch = np.broadcast_shapes(self._batch(vectors), base.shape[:-2])
+        vectors = vectors.reshape(*self._batch(vectors), self.n_joints, 3, 3)
+        velocities = np.empty((*batch, self.n_joints, 3))
+        kernel.read_velocities(
+            flat(vectors, batch, 3), flat(base, batch, 2), self._is_right, velocities.reshape(-1, self.n_joints, 3)
+        )
+        return velocities
+
+    def write_points(self, quaternions: Array, batch: tuple[int, ...]) -> Any:
+        """Write points, shape=[*batch, *shape], in the arrays of the backend."""
+        return self.write(quat.to_matrix(quaternions), batch + self.shape)
+
+    def write_tangent_vecs(self, velocities: Array, base: Array, batch: tuple[int, ...]) -> Any:
+        """Write tangent vectors, shape=[*batch, *shape], of velocities as `read_velocities` gives them.
+
+        Parameters
+        ----------
+        velocities : array-like, shape=[n, B, 3]
+        base : array-like, shape=[n, B, 4]
+            Unit quaternions of the base points.
+        batch : tuple of int
+            Shape of n elements.
+        """
+        vectors = np.empty((*velocities.shape, 3))
+        kernel.write_tangent_vectors(quat.plain(velocities), quat.plain(base), self._is_right, vectors)
+        return self.write(vectors, batch + self.shape)
+
+    @staticmethod
+    def write(values: np.ndarray, shape: tuple[int, ...]) -> Any:
+        """Hand an array to the backend."""
+        return gs.from_numpy(values.reshape(shape))
+
+    def _batch(self, values: Array) -> tuple[int, ...]:
+        return values.shape[: values.ndim - len(self.shape)]
+
+
+def flat(values: Array, batch: tuple[int, ...], point_ndim: int) -> Array:
+    """Broadcast to a batch, and make one axis of its axes, as the kernels want it."""
+    point = values.shape[values.ndim - point_ndim :]
+    if values.shape != batch + point:
+        values = np.broadcast_to(values, batch + point)
+    return quat.plain(values).reshape(math.prod(batch), *point)
+
+
 def read(values: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
-    """Take what a user gave, of any backend and number type, to finite float64 numbers.
+    """Read what a user gave, of any backend and number type, as finite float64 numbers.
 
     Parameters
     ----------
@@ -34,89 +151,38 @@ def read(values: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
     ValueError
         If the shape is another, or a number is not finite.
     """
+    array = _floats(values, shape, name)
+    is_finite = np.isfinite(array)
+    if not is_finite.all():
+        raise ValueError(f"{at(name, np.argwhere(~is_finite)[0])} is not a finite number.")
+    return array
+
+
+def _floats(values: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
     array = np.asarray(values, dtype=np.float64)
     if array.shape[array.ndim - len(shape) :] != shape:
         wanted = ", ".join(str(size) for size in shape)
         raise ValueError(f"{name} has shape {array.shape}, but (..., {wanted}) is needed.")
-    if not np.isfinite(array).all():
-        raise ValueError(f"{at(name, first(~np.isfinite(array)))} is not a finite number.")
     return array
 
 
-def read_rotations(matrices: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
-    """Take what a user gave to rotation matrices, and project rounding away.
-
-    Parameters
-    ----------
-    matrices : array-like, shape=[..., *shape]
-    shape : tuple of int
-        Ends with 3, 3.
-    name : str
-        What to call them in an error.
-
-    Returns
-    -------
-    matrices : array-like, shape=[..., *shape]
-
-    Raises
-    ------
-    ValueError
-        If the shape is another, or a matrix is further from a rotation than `TOLERANCE`.
-    """
-    matrix = read(matrices, shape, name)
+def _refuse_point(matrices: Array, number: int, name: str) -> None:
+    """Say why a matrix, counting flat over all axes but the last two, is not a rotation."""
+    index = np.unravel_index(number, matrices.shape[:-2])
+    matrix = matrices[index]
+    if not np.isfinite(matrix).all():
+        raise ValueError(f"{at(name, (*index, *np.argwhere(~np.isfinite(matrix))[0]))} is not a finite number.")
     with np.errstate(over="ignore", invalid="ignore"):
-        excess = np.swapaxes(matrix, -1, -2) @ matrix - np.eye(3)
-    deviation = np.abs(excess).max(axis=(-2, -1))
-    if not (deviation <= TOLERANCE).all():
-        index = first(~(deviation <= TOLERANCE))
-        raise ValueError(
-            f"{at(name, index)} is not a rotation: R^T R deviates from the identity by {deviation[index]:.3g}, "
-            f"more than {TOLERANCE:g}; project it onto the space before."
-        )
-    x, y, z = np.moveaxis(matrix, -2, 0)
-    reflected = (np.cross(x, y) * z).sum(axis=-1) < 0.0
-    if reflected.any():
-        raise ValueError(f"{at(name, first(reflected))} is not a rotation but a reflection: its determinant is -1.")
-    # one Newton step towards the polar factor, whose error is the square of the deviation
-    return matrix - 0.5 * (matrix @ excess)
-
-
-def first(condition: np.ndarray) -> tuple[int, ...]:
-    """Index of the first place where a condition holds."""
-    return tuple(int(i) for i in np.argwhere(condition)[0])
-
-
-def at(name: str, index: tuple[int, ...]) -> str:
-    """Name an element of an array, or the array itself if it has only one."""
-    return f"{name}[{', '.join(str(i) for i in index)}]" if index else name
-
-
-def hat(vector: Array) -> Array:
-    """Turn vectors w, shape=[..., 3], into the skew matrices with hat(w) v = w x v, shape=[..., 3, 3]."""
-    x, y, z = np.moveaxis(vector, -1, 0)
-    zero = np.zeros_like(x)
-    return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape(*vector.shape, 3)
-
-
-def body_velocity(tangent_vec: Array, base_point: Array) -> Array:
-    """Angular velocities in the body frame of tangent vectors.
-
-    Parameters
-    ----------
-    tangent_vec : array-like, shape=[..., 3, 3]
-        What of it is not tangent is projected away.
-    base_point : array-like, shape=[..., 3, 3]
-
-    Returns
-    -------
-    velocity : array-like, shape=[..., 3]
-    """
-    product = np.swapaxes(base_point, -1, -2) @ tangent_vec
-    return 0.5 * np.stack(
-        [
-            product[..., 2, 1] - product[..., 1, 2],
-            product[..., 0, 2] - product[..., 2, 0],
-            product[..., 1, 0] - product[..., 0, 1],
-        ],
-        axis=-1,
+        deviation = np.abs(matrix.T @ matrix - np.eye(3)).max()
+    if deviation <= TOLERANCE and np.linalg.det(matrix) < 0.0:
+        raise ValueError(f"{at(name, index)} is not a rotation but a reflection: its determinant is -1.")
+    raise ValueError(
+        f"{at(name, index)} is not a rotation: R^T R deviates from the identity by {deviation:.3g}, "
+        f"more than {TOLERANCE:g}; project it onto the space before."
     )
+
+
+def at(name: str, index: ArrayLike) -> str:
+    """Name an element of an array, or the array itself if it has only one."""
+    numbers = ", ".join(str(int(i)) for i in np.asarray(index))
+    return f"{name}[{numbers}]" if numbers else name

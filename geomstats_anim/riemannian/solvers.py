@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from geomstats.numerics.geodesic import ExpSolver, LogSolver
+from numpy.typing import ArrayLike
 
-from geomstats_anim import rotations as quat
 from geomstats_anim.geodesics.pose_geodesics import LogResult, LogStatus, PoseGeodesics
+from geomstats_anim.kernels.shooting import CONVERGED
+from geomstats_anim.parameters import MetricParameters
 from geomstats_anim.riemannian import matrices as mat
+from geomstats_anim.riemannian.matrices import PoseMatrices
 from geomstats_anim.rotations import Array
-
-if TYPE_CHECKING:
-    from geomstats_anim.riemannian.compiled_metric import CompiledMetric
 
 _NAMED_FAILURES = 5
 """How many elements the error of a logarithm names."""
@@ -26,12 +25,13 @@ class GeodesicExpSolver(ExpSolver):
 
     Parameters
     ----------
-    metric : CompiledMetric
+    arrays : PoseMatrices
+    parameters : MetricParameters
     """
 
-    def __init__(self, metric: CompiledMetric) -> None:
+    def __init__(self, arrays: PoseMatrices, parameters: MetricParameters) -> None:
         super().__init__(solves_ivp=True)
-        self._metric = metric
+        self._arrays, self._parameters = arrays, parameters
 
     def exp(self, tangent_vec: Any, base_point: Any = None) -> Any:
         """Follow geodesics for the unit of time.
@@ -49,8 +49,7 @@ class GeodesicExpSolver(ExpSolver):
         """
         geodesics, batch = self._leave(tangent_vec, base_point, "base_point", "tangent_vec")
         n = len(geodesics.initial)
-        end = quat.to_matrix(geodesics(np.arange(n), np.ones(n)))
-        return self._metric._write(end, batch + self._metric._space.shape)
+        return self._arrays.write_points(geodesics(np.arange(n), np.ones(n)), batch)
 
     def geodesic_ivp(self, tangent_vec: Any, base_point: Any) -> Callable[[Any], Any]:
         """Make geodesics that leave points with given velocities.
@@ -66,20 +65,17 @@ class GeodesicExpSolver(ExpSolver):
         path : callable
             Takes times, shape=[n_times] or [], and returns points, shape=[..., n_times, *space.shape].
         """
-        return self._metric._path(*self._leave(tangent_vec, base_point, "initial_point", "initial_tangent_vec"))
+        geodesics, batch = self._leave(tangent_vec, base_point, "initial_point", "initial_tangent_vec")
+        return _path(self._arrays, geodesics, batch)
 
     def _leave(
         self, tangent_vec: Any, base_point: Any, point_name: str, vec_name: str
     ) -> tuple[PoseGeodesics, tuple[int, ...]]:
-        """Make geodesics, and tell the shape of the batch."""
-        metric = self._metric
-        base = metric._read_points(base_point, point_name)
-        velocity = metric._read_velocity(tangent_vec, base, vec_name)
+        """Make geodesics, and return the shape of the batch too."""
+        base = self._arrays.read_points(base_point, point_name)
+        velocity = self._arrays.read_velocities(tangent_vec, base, vec_name)
         batch = velocity.shape[:-2]
-        initial = np.broadcast_to(quat.from_matrix(base), (*velocity.shape[:-1], 4))
-        shape = (math.prod(batch), metric.parameters.n_joints)
-        geodesics = PoseGeodesics(initial.reshape(*shape, 4), velocity.reshape(*shape, 3), metric.parameters)
-        return geodesics, batch
+        return PoseGeodesics(mat.flat(base, batch, 2), mat.flat(velocity, batch, 2), self._parameters), batch
 
 
 class GeodesicLogSolver(LogSolver):
@@ -87,15 +83,18 @@ class GeodesicLogSolver(LogSolver):
 
     Parameters
     ----------
-    metric : CompiledMetric
+    arrays : PoseMatrices
+    parameters : MetricParameters
+    scale : array-like, shape=[B]
+        Multiples of the matrices of the parameters that those of the metric are.
     """
 
-    def __init__(self, metric: CompiledMetric) -> None:
+    def __init__(self, arrays: PoseMatrices, parameters: MetricParameters, scale: Array) -> None:
         super().__init__(solves_bvp=True)
-        self._metric = metric
+        self._arrays, self._parameters, self._scale = arrays, parameters, scale
 
     def solve(self, point: Any, base_point: Any = None) -> LogResult:
-        """Find logarithms, and tell how each search ended.
+        """Find logarithms, and return how each search ended.
 
         Parameters
         ----------
@@ -106,23 +105,18 @@ class GeodesicLogSolver(LogSolver):
         Returns
         -------
         result : LogResult
-            Its status, residual, length and iterations have shape [...] on SO(3), and [..., B], one a bone, on
+            Its status, residual, length and iterations have shape [...] on SO(3), and [..., B], one per bone, on
             SO(3)^B. The length is in the norm of the metric.
         """
-        metric = self._metric
-        base = metric._read_points(base_point, "base_point")
-        end = metric._read_points(point, "point")
-        geodesics, batch = self._join(base, end)
-        found = (geodesics.status == LogStatus.CONVERGED)[..., None]
-        velocity = np.where(found, geodesics.velocity, 0.0).reshape(*batch, metric.parameters.n_joints, 3)
-        per_bone = batch + metric._space.shape[:-2]
-        length = np.sqrt(2.0 * metric._scale) * geodesics.length
+        geodesics, batch = self._join(point, base_point, "point", "base_point")
+        found = (geodesics.status == CONVERGED)[..., None]
+        velocity = np.where(found, geodesics.velocity, 0.0)
+        length = np.sqrt(2.0 * self._scale) * geodesics.length
+        per_joint = batch + self._arrays.per_joint
+        values = geodesics.status, geodesics.residual, length, geodesics.iterations
         return LogResult(
-            metric._write(metric._tangent_vec(velocity, base), batch + metric._space.shape),
-            metric._write(geodesics.status, per_bone),
-            metric._write(geodesics.residual, per_bone),
-            metric._write(length, per_bone),
-            metric._write(geodesics.iterations, per_bone),
+            self._arrays.write_tangent_vecs(velocity, geodesics.initial, batch),
+            *(self._arrays.write(value, per_joint) for value in values),
         )
 
     def log(self, point: Any, base_point: Any = None) -> Any:
@@ -144,9 +138,9 @@ class GeodesicLogSolver(LogSolver):
         RuntimeError
             If no geodesic was found for an element; `solve` returns the others.
         """
-        result = self.solve(point, base_point)
-        _raise_failures(np.asarray(result.status))
-        return result.tangent_vec
+        geodesics, batch = self._join(point, base_point, "point", "base_point")
+        _raise_failures(geodesics.status, batch + self._arrays.per_joint)
+        return self._arrays.write_tangent_vecs(geodesics.velocity, geodesics.initial, batch)
 
     def geodesic_bvp(self, point: Any, base_point: Any) -> Callable[[Any], Any]:
         """Make geodesics that join points.
@@ -168,30 +162,56 @@ class GeodesicLogSolver(LogSolver):
         RuntimeError
             If no geodesic was found for an element.
         """
-        metric = self._metric
-        base = metric._read_points(base_point, "initial_point")
-        geodesics, batch = self._join(base, metric._read_points(point, "end_point"))
-        _raise_failures(geodesics.status.reshape(batch + metric._space.shape[:-2]))
-        return metric._path(geodesics, batch)
+        geodesics, batch = self._join(point, base_point, "end_point", "initial_point")
+        _raise_failures(geodesics.status, batch + self._arrays.per_joint)
+        return _path(self._arrays, geodesics, batch)
 
-    def _join(self, base: Array, end: Array) -> tuple[PoseGeodesics, tuple[int, ...]]:
-        """Find geodesics, and tell the shape of the batch."""
-        shape = np.broadcast_shapes(base.shape, end.shape)
-        batch, n_joints = shape[:-3], shape[-3]
-
-        def flat(matrices: Array) -> Array:
-            quaternions = np.broadcast_to(quat.from_matrix(matrices), (*shape[:-2], 4))
-            return quaternions.reshape(math.prod(batch), n_joints, 4)
-
-        return PoseGeodesics.between(flat(base), flat(end), self._metric.parameters), batch
+    def _join(
+        self, point: Any, base_point: Any, point_name: str, base_name: str
+    ) -> tuple[PoseGeodesics, tuple[int, ...]]:
+        """Find geodesics, and return the shape of the batch too."""
+        base = self._arrays.read_points(base_point, base_name)
+        end = self._arrays.read_points(point, point_name)
+        batch = np.broadcast_shapes(base.shape, end.shape)[:-2]
+        return PoseGeodesics.between(mat.flat(base, batch, 2), mat.flat(end, batch, 2), self._parameters), batch
 
 
-def _raise_failures(status: np.ndarray) -> None:
-    """Name the elements without a geodesic, and say what to do."""
-    failures = np.argwhere(status != LogStatus.CONVERGED)
-    if not len(failures):
+def _path(arrays: PoseMatrices, geodesics: PoseGeodesics, batch: tuple[int, ...]) -> Callable[[Any], Any]:
+    """Make the function of time of a batch of geodesics."""
+    backward = PoseGeodesics(geodesics.initial, -geodesics.velocity, geodesics.parameters)
+    n, n_joints = geodesics.initial.shape[:2]
+
+    def path(t: ArrayLike) -> Any:
+        """Evaluate the geodesics.
+
+        Parameters
+        ----------
+        t : float or array-like, shape=[n_times]
+            Any times: 0 at the initial point, 1 at the end point.
+
+        Returns
+        -------
+        points : array-like, shape=[..., n_times, *space.shape]
+        """
+        times = np.atleast_1d(mat.read(t, (), "t"))
+        if times.ndim > 1:
+            raise ValueError(f"t has shape {times.shape}, but (n_times,) is needed.")
+        points = np.empty((n, len(times), n_joints, 4))
+        for ahead, column in ((geodesics, times >= 0.0), (backward, times < 0.0)):
+            order = np.flatnonzero(column)[np.argsort(np.abs(times[column]), kind="stable")]
+            index, parameter = np.repeat(np.arange(n), len(order)), np.tile(np.abs(times[order]), n)
+            points[:, order] = ahead(index, parameter).reshape(n, len(order), n_joints, 4)
+        return arrays.write_points(points, (*batch, len(times)))
+
+    return path
+
+
+def _raise_failures(status: np.ndarray, shape: tuple[int, ...]) -> None:
+    """Name the elements without a geodesic, and what to do."""
+    if (status == CONVERGED).all():
         return
-    names = ", ".join(mat.at("", tuple(index)) for index in failures[:_NAMED_FAILURES]) if status.ndim else "the pair"
+    failures = np.argwhere(status.reshape(shape) != CONVERGED)
+    names = ", ".join(mat.at("", index) for index in failures[:_NAMED_FAILURES]) if shape else "the pair"
     more = f" and {len(failures) - _NAMED_FAILURES} more" if len(failures) > _NAMED_FAILURES else ""
-    sentences = " ".join(LogStatus(code).sentence for code in np.unique(status) if code != LogStatus.CONVERGED)
+    sentences = " ".join(LogStatus(code).sentence for code in np.unique(status) if code != CONVERGED)
     raise RuntimeError(f"The logarithm failed for {names}{more}. {sentences} log_solver.solve returns every status.")
