@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from geomstats_anim import Animation, Skeleton
+from geomstats_anim import Skeleton
 from geomstats_anim.rotations import IDENTITY
 from usd_tools.bvh.reader import Bvh, read_bvh
 from usd_tools.console.arguments import add_format, positive_number
@@ -25,7 +25,7 @@ from usd_tools.files.openusd_errors import openusd_errors
 from usd_tools.files.paths import check_usd_output, same_file
 from usd_tools.skel import output
 from usd_tools.skel.joint_names import joint_paths, unique
-from usd_tools.skel.new_file import Units, new_layer
+from usd_tools.skel.new_file import Character, Units, new_stage
 from usd_tools.skel.writer import made_by, save_layer
 
 TOOL = "usd_tools.from_bvh"
@@ -69,23 +69,23 @@ def convert(args: argparse.Namespace) -> int:
         raise ToolError(f"--out {args.out} is the input itself; choose another name.")
     with Progress(3, "Reading") as progress:
         bvh = read_bvh(args.input, args.fps, Messages(print_warning).warn)
-        animation = _animation(bvh, args)
+        character = _character(bvh, args)
         progress.advance(1, "Converting")
-        layer = new_layer(animation, unique(bvh.names), Units(args.scale, args.up, bvh.rate))
+        stage = new_stage(character)
+        layer = stage.GetRootLayer()
         layer.customLayerData = made_by(TOOL, _settings(args))
         progress.advance(1, "Writing")
         save_layer(layer, args.out, args.usdFormat)
     height = _height(bvh, "XYZ".index(args.up)) * args.scale
-    joints, frames = counted(animation.n_joints, "joint"), counted(animation.n_frames, "frame")
+    joints, frames = counted(len(bvh.names), "joint"), counted(len(character.rotations), "frame")
     print(f"{args.input}: {joints}, {height:.3g} m high at rest; {frames}.")
     print(output.written(args.out, bvh.rate))
     return 0
 
 
-def _animation(bvh: Bvh, args: argparse.Namespace) -> Animation:
+def _character(bvh: Bvh, args: argparse.Namespace) -> Character:
     first = 1 if args.skip_first else 0
-    n_frames = len(bvh.rotations) - first
-    if n_frames == 0:
+    if len(bvh.rotations) == first:
         raise ToolError(f"{args.input} has one frame, and --skip-first leaves it out; call it without --skip-first.")
     skeleton = Skeleton(
         tuple(joint_paths(bvh.names, bvh.parents.tolist())),
@@ -94,7 +94,8 @@ def _animation(bvh: Bvh, args: argparse.Namespace) -> Animation:
         np.tile(IDENTITY, (len(bvh.names), 1)),
         bvh.bone_ends,
     )
-    return Animation(skeleton, np.arange(n_frames, dtype=np.float64), bvh.rotations[first:], bvh.translations[first:])
+    units = Units(args.scale, args.up, bvh.rate)
+    return Character(skeleton, unique(bvh.names), bvh.rotations[first:], bvh.translations[first:], units)
 
 
 def _height(bvh: Bvh, up: int) -> float:

@@ -115,8 +115,8 @@ def _rotations(tree: Hierarchy, table: np.ndarray) -> np.ndarray:
     """Turn the rotation channels into unit quaternions, shape=[F, B, 4], sign-continuous along time."""
     columns = _columns(tree, "rotation")
     orders = {order: [joint for joint, (axes, _) in enumerate(columns) if axes == order] for order, _ in columns}
-    rotations = np.tile(quat.IDENTITY, (len(table), len(columns), 1))
-    last = rotations[:1].copy()  # the identity: the first frame has scalar parts that are not negative
+    rotations = np.empty((len(table), len(columns), 4))
+    last = np.tile(quat.IDENTITY, (1, len(columns), 1))  # so the first frame's scalar parts are not negative
     step = max(1, _CHUNK // len(columns))
     for start in range(0, len(table), step):
         chunk = rotations[start : start + step]
@@ -142,14 +142,24 @@ def _from_euler(axes: str, angles: np.ndarray) -> np.ndarray:
     -------
     quaternions : array-like, shape=[..., 4]
     """
-    turned = np.broadcast_to(quat.IDENTITY, (*angles.shape[:-1], 4))
+    sines, cosines = np.sin(angles / 2.0), np.cos(angles / 2.0)
+    turned = np.zeros((*angles.shape[:-1], 4))
+    turned[..., 3] = 1.0
     for k, axis in enumerate(axes):
-        turned = quat.multiply(turned, quat.exp(angles[..., k, None] * np.eye(3)["XYZ".index(axis)]))
+        # The quaternion product with (sine e_axis, cosine); Numba's takes longer to import than most files to read.
+        i = "XYZ".index(axis)
+        order = [i, (i + 1) % 3, (i + 2) % 3, 3]
+        x, y, z, w = np.moveaxis(turned[..., order], -1, 0)
+        sine, cosine = sines[..., k], cosines[..., k]
+        turned[..., order] = np.stack(
+            [cosine * x + sine * w, cosine * y + sine * z, cosine * z - sine * y, cosine * w - sine * x], axis=-1
+        )
     return turned
 
 
 def _translations(tree: Hierarchy, table: np.ndarray) -> np.ndarray:
-    translations = np.tile(np.array(tree.offsets), (len(table), 1, 1))
+    translations = np.empty((len(table), len(tree.names), 3))
+    translations[:] = tree.offsets
     for joint, (axes, columns) in enumerate(_columns(tree, "position")):
         translations[:, joint, ["XYZ".index(axis) for axis in axes]] = table[:, columns]
     return translations
