@@ -24,6 +24,7 @@ from usd_tools.console.text import counted
 from usd_tools.files.openusd_errors import openusd_errors
 from usd_tools.files.paths import check_usd_output, same_file
 from usd_tools.skel import output
+from usd_tools.skel.frame_rates import typed_rate
 from usd_tools.skel.joint_names import joint_paths, unique
 from usd_tools.skel.new_file import Character, Units, new_stage
 from usd_tools.skel.writer import made_by, save_layer
@@ -48,7 +49,7 @@ def parser() -> ArgumentParser:
         help="metres for one unit of IN: 0.01 for centimetres, 0.0254 for inches, 0.056444 for files of CMU; default: "
         "0.01, as it is in USD",
     )
-    parse.add_argument("--fps", metavar="F", type=positive_number, help="play F frames a second, whatever IN says")
+    parse.add_argument("--fps", metavar="F", type=typed_rate, help="play F frames a second, whatever IN says")
     parse.add_argument("--skip-first", action="store_true", help="leave out the first frame, often a pose at rest")
     parse.add_argument("--up", choices=("Y", "Z"), default="Y", help="axis of IN that points up; default: Y")
     add_format(parse)

@@ -26,6 +26,7 @@ from usd_tools.files.stages import open_stage, standing
 from usd_tools.skel import output
 from usd_tools.skel.clip import SkelClip, read_clip
 from usd_tools.skel.find import AnimationSource, find_animations, select_animations
+from usd_tools.skel.frame_rates import typed_rate
 from usd_tools.skel.output import Output
 from usd_tools.skel.resampling import Resampled, at_rate, resample, subdivided, with_codes
 from usd_tools.skel.time_codes import clips_with_source_codes, codes_for
@@ -51,7 +52,7 @@ def parser() -> ArgumentParser:
     parse.add_argument("-o", "--out", metavar="OUT", type=Path, help="USD file to write; .usdz packs the source too")
     where = parse.add_mutually_exclusive_group(required=True)
     where.add_argument("--factor", metavar="N", type=whole_number, help="cut every gap between samples into N")
-    where.add_argument("--fps", metavar="F", type=positive_number, help="add samples at F a second")
+    where.add_argument("--fps", metavar="F", type=typed_rate, help="add samples at F a second")
     where.add_argument(
         "--times",
         metavar="T",

@@ -9,7 +9,7 @@ from decimal import Decimal, InvalidOperation
 import numpy as np
 
 from usd_tools.bvh.lines import LARGEST, LineError, check_decimal_points, is_number, quoted
-from usd_tools.skel.frame_rates import exact_rate, frame_rate
+from usd_tools.skel.frame_rates import frame_rate
 
 _CHUNK = 1 << 17
 """Numbers that are parsed at once: few enough to need little memory beside the table."""
@@ -58,7 +58,7 @@ def read_motion(
         raise LineError(len(lines), f"the file ends after {len(rows)} of the {said}; correct one of them.")
     if len(rows) != n_frames:
         warn(f"line {full[0] + 1}: Frames says {n_frames}, but the file has {len(rows)}; all {len(rows)} are read.")
-    return exact_rate(rate), table
+    return rate, table
 
 
 def _value(lines: Sequence[str], full: Sequence[int], place: int, name: str) -> tuple[int, str]:

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from decimal import Context, Decimal
+from fractions import Fraction
+
+from usd_tools.console.arguments import positive_number
 
 USUAL = tuple(map(Decimal, (12, 15, 24, 25, 30, 48, 50, 60, 72, 90, 96, 100, 120, 144, 150, 180, 200, 240)))
 """What cameras and motion capture record at."""
@@ -12,6 +15,9 @@ NTSC = tuple(Decimal(1000 * rate) / 1001 for rate in (12, 15, 24, 30, 48, 60, 96
 
 SINGLE_PRECISION = Decimal("1e-6")
 """What single precision, and a few digits more, leave of a number."""
+
+_SIMPLE = 100
+"""Largest denominator of a simple fraction; 1001 / 1000, which is 30 over 29.97, is none."""
 
 
 def exact_rate(rate: float) -> float:
@@ -33,6 +39,33 @@ def exact_rate(rate: float) -> float:
     if int(written.as_tuple().exponent) > -2:
         return float(rate)
     return float(next((exact for exact in NTSC if _comes_to(exact, written)), rate))
+
+
+def typed_rate(text: str) -> float:
+    """Parse a rate that people type, as `exact_rate` does; the type of every option for a rate."""
+    return exact_rate(positive_number(text))
+
+
+def rate_like(rate: float, own: float) -> float:
+    """Return a rate in the digits of another that it is a simple multiple or part of.
+
+    Beside 29.97, 60000 / 1001 is 59.94, and 24 is 23.99998 beside that: so frames of both coincide however long
+    a clip is.
+
+    Parameters
+    ----------
+    rate : float
+        Frames per second, exact.
+    own : float
+        Frames per second, as a file has it.
+
+    Returns
+    -------
+    rate : float
+    """
+    ratio = Fraction(rate / exact_rate(own)).limit_denominator(_SIMPLE)
+    is_near = abs(float(ratio) * exact_rate(own) - rate) <= float(SINGLE_PRECISION) * rate
+    return own * float(ratio) if is_near else rate
 
 
 def frame_rate(frame_time: Decimal) -> float:

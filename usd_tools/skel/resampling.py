@@ -13,12 +13,16 @@ from geomstats_anim.interpolation.curves import Curve, Fallback
 from usd_tools.console.errors import ToolError
 from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip
+from usd_tools.skel.frame_rates import rate_like
 
 CHUNK = 1 << 18
 """Rotations evaluated at once: enough to keep NumPy busy, few enough to need little memory."""
 
 SNAP = 1e-6
 """A new sample nearer to a source sample than this share of the spacing is that sample."""
+
+SNAP_OF_FRAME = 1e-2
+"""A frame of a steady rate nearer to a source sample than this share of a frame is that sample."""
 
 
 def subdivided(clip: SkelClip, factor: int) -> np.ndarray:
@@ -39,48 +43,53 @@ def subdivided(clip: SkelClip, factor: int) -> np.ndarray:
     return np.union1d(clip.codes, (starts[:, None] + gaps[:, None] * parts).ravel())
 
 
-def with_codes(clip: SkelClip, codes: np.ndarray, spacing: float | None = None) -> np.ndarray:
-    """Time codes of the samples of a clip, and others that lie between them.
+def with_codes(clip: SkelClip, codes: np.ndarray, nearest: float | None = None) -> np.ndarray:
+    """Return the time codes of the samples of a clip, and others that lie between them.
 
     Parameters
     ----------
     clip : SkelClip
     codes : array-like, shape=[F]
         Those outside the range of the clip, or within a step, are left out.
-    spacing : float
-        Usual distance of the codes.
-        Optional, default: that of the clip's samples or of the codes, whichever is less.
+    nearest : float
+        Time codes that are nearer to a sample than this are left out too.
+        Optional, default: `SNAP` of the spacing of the clip's samples or of the codes, whichever is less.
 
     Returns
     -------
     codes : array-like, shape=[F']
     """
     keys = clip.codes
-    if spacing is None:
+    if nearest is None:
         gaps = [np.diff(some) for some in (keys, np.unique(codes)) if len(some) > 1]
-        spacing = min((float(np.median(each)) for each in gaps if len(each)), default=0.0)
+        nearest = SNAP * min((float(np.median(each)) for each in gaps if len(each)), default=0.0)
     codes = np.unique(codes[(codes > keys[0]) & (codes < keys[-1])])
     segment = np.searchsorted(keys, codes, side="right") - 1
-    far = np.minimum(codes - keys[segment], keys[segment + 1] - codes) > SNAP * spacing
+    far = np.minimum(codes - keys[segment], keys[segment + 1] - codes) > nearest
     return np.union1d(keys, codes[far & ~clip.steps[segment]])
 
 
 def at_rate(clip: SkelClip, rate: float) -> np.ndarray:
-    """Time codes of the samples of a clip, and others at a steady rate: the whole frames of that rate.
+    """Return the time codes of the samples of a clip, and others at a steady rate: the whole frames of that rate.
+
+    A clip that has samples at that rate keeps them, whatever frames they are on.
 
     Parameters
     ----------
     clip : SkelClip
     rate : float
-        Samples a second.
+        Samples per second.
 
     Returns
     -------
     codes : array-like, shape=[F]
     """
-    spacing = clip.codes_per_second / rate
+    spacing = clip.codes_per_second / rate_like(rate, clip.codes_per_second)
+    steady = clip.codes[0] + spacing * np.arange(len(clip.codes))
+    if (np.abs(clip.codes - steady) <= SNAP_OF_FRAME * spacing).all():
+        return clip.codes
     frames = np.arange(np.ceil(clip.codes[0] / spacing), np.floor(clip.codes[-1] / spacing) + 1.0)
-    return with_codes(clip, frames * spacing, spacing)
+    return with_codes(clip, frames * spacing, SNAP_OF_FRAME * spacing)
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ from decimal import ROUND_DOWN, ROUND_HALF_EVEN, Decimal
 import numpy as np
 import pytest
 
-from usd_tools.skel.frame_rates import NTSC, USUAL, exact_rate, frame_rate
+from usd_tools.skel.frame_rates import NTSC, USUAL, exact_rate, frame_rate, rate_like
 
 
 @pytest.mark.parametrize("rounding", [ROUND_DOWN, ROUND_HALF_EVEN])
@@ -77,3 +77,15 @@ def test_other_rates_are_meant_as_they_are_typed(typed):
 def test_rates_of_any_size_are_rates():
     for typed in (5e-324, 1e-7, 1e22):
         assert exact_rate(typed) == typed
+
+
+@pytest.mark.parametrize(
+    ("rate", "own", "like"),
+    [
+        *((60000 / 1001, 29.97, 59.94), (60000 / 1001, 30000 / 1001, 60000 / 1001), (24, 23.99998, 23.99998)),
+        *((30, 24, 30), (60, 30000 / 1001, 60), (24000 / 1001, 24, 24000 / 1001), (25.0001, 25, 25.0001)),
+        *((1e-9, 24, 1e-9), (1e9, 24, 1e9)),
+    ],
+)
+def test_rates_in_the_digits_of_others(rate, own, like):
+    assert rate_like(rate, own) == pytest.approx(like, rel=1e-15)
