@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from geomstats_anim import rotations as quat
+from geomstats_anim.geodesics.end_velocities import EndVelocities
 from geomstats_anim.geodesics.shortest import Effort, shortest_momenta
 from geomstats_anim.kernels import frames as normal_form
 from geomstats_anim.kernels import shooting as boundary_value
@@ -86,47 +87,6 @@ class LogResult(NamedTuple):
     iterations: np.ndarray
 
 
-class EndVelocities:
-    r"""Velocities and accelerations of geodesics from the identity at both ends, and their derivative by the metric.
-
-    With the inverse moments :math:`D^{-1}`, the spatial momentum m and the body momentum M, which is m at the start and
-    :math:`g(1)^T m` at the end, :math:`w = D^{-1} M` and by Euler's equation :math:`w' = D^{-1} (M \times w)`.
-
-    Attributes
-    ----------
-    start, end : array-like, shape=[n, B, 3]
-        Along the principal axes, radians per unit of the parameter.
-    start_acceleration, end_acceleration : array-like, shape=[n, B, 3]
-    """
-
-    def __init__(self, inverse_moments: Array, momentum: Array, turn: Array) -> None:
-        self._inverse, self._momentum, self._turn = inverse_moments, momentum, turn
-        self._end_momentum = quat.rotate(quat.conjugate(turn), momentum)
-        self.start, self.end = inverse_moments * momentum, inverse_moments * self._end_momentum
-        self.start_acceleration = inverse_moments * quat.cross(momentum, self.start)
-        self.end_acceleration = inverse_moments * quat.cross(self._end_momentum, self.end)
-
-    def pull_back(self, start: Array, end: Array, start_acceleration: Array, end_acceleration: Array) -> Array:
-        """Pull a derivative by the attributes back: see `partial` of `PoseGeodesics.pull_back_turns`."""
-        by_momentum, by_moments = self._by_body_momentum(self._momentum, self.start, start, start_acceleration)
-        by_end, by_moments_at_end = self._by_body_momentum(self._end_momentum, self.end, end, end_acceleration)
-        by_end_in_space = quat.rotate(self._turn, by_end)
-        # a turn of the axes turns the target, so that the end momentum changes at fixed m
-        by_axes = quat.cross(self._end_momentum, by_end) - quat.cross(self._momentum, by_end_in_space)
-        by_moments = by_moments + by_moments_at_end
-        return np.concatenate([by_momentum + by_end_in_space, by_moments[..., 1:], by_axes], axis=-1)
-
-    def _by_body_momentum(
-        self, momentum: Array, velocity: Array, by_velocity: Array, by_acceleration: Array
-    ) -> tuple[Array, Array]:
-        """Derive by the body momentum, and by the logarithms of the moments at fixed momentum."""
-        scaled = self._inverse * by_acceleration
-        # (M x w) . n = M . (w x n) = w . (n x M)
-        by_velocity = by_velocity + quat.cross(scaled, momentum)
-        by_momentum = quat.cross(velocity, scaled) + self._inverse * by_velocity
-        return by_momentum, -(velocity * by_velocity + quat.cross(momentum, velocity) * scaled)
-
-
 class PoseGeodesics:
     """A batch of geodesics of one metric on SO(3)^B, all made by one compiled call.
 
@@ -150,7 +110,7 @@ class PoseGeodesics:
         _refuse_beyond_reach(velocity, np.ones(1))
         self.initial, self.velocity, self.parameters = initial, velocity, parameters
         shape = initial.shape[:-1]
-        self._turn: Array | None = None
+        self._vector: Array | None = None
         self.status = np.zeros(shape, dtype=np.intp)
         self.residual, self.iterations = np.zeros(shape), np.zeros(shape, dtype=np.intp)
 
@@ -215,7 +175,7 @@ class PoseGeodesics:
         inverse_moments = np.where(converged, 1.0 / moments, 1.0)
         geodesics = cls(initial, outward * parameters.from_axes(momentum * inverse_moments), parameters)
         geodesics._momentum, geodesics._inverse_moments = momentum, inverse_moments
-        geodesics._turn = quat.exp(vector)
+        geodesics._vector = vector
         geodesics.status = found.status.reshape(shape)
         geodesics.residual, geodesics.iterations = found.residual.reshape(shape), found.shots.reshape(shape)
         return geodesics
@@ -330,7 +290,7 @@ class PoseGeodesics:
     def end_velocities(self) -> EndVelocities:
         """Velocities of what `turns` returns, at parameters 0 and 1."""
         n = len(self.initial)
-        turn = self.turns(np.arange(n), np.ones(n)) if self._turn is None else self._turn
+        turn = self.turns(np.arange(n), np.ones(n)) if self._vector is None else quat.exp(self._vector)
         return EndVelocities(self._inverse_moments, self._momentum, turn)
 
     def _for_samples(

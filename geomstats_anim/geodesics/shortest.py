@@ -12,6 +12,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from geomstats_anim import rotations as quat
+from geomstats_anim.kernels import injectivity
 from geomstats_anim.kernels.rigid_body import playback
 from geomstats_anim.kernels.shooting import CONVERGED, shoot
 from geomstats_anim.kernels.threads import in_threads
@@ -74,9 +75,8 @@ class Shots(NamedTuple):
 def injectivity_radius(moments: Array) -> Array:
     """Length up to which every geodesic is certainly the only shortest one.
 
-    Klingenberg: the smaller of pi / sqrt(K), K the largest sectional curvature, and half the shortest closed geodesic,
-    a full turn about the axis of the smallest moment. The curvatures are those of Milnor, "Curvatures of left invariant
-    metrics on Lie groups", 1976, section 4.
+    It is the smaller of pi / sqrt(K), K the largest sectional curvature, and half the shortest closed geodesic, a full
+    turn about the axis of the smallest moment (Klingenberg).
 
     Parameters
     ----------
@@ -86,11 +86,9 @@ def injectivity_radius(moments: Array) -> Array:
     -------
     radius : array-like, shape=[n]
     """
-    structure = moments / np.sqrt(moments.prod(axis=-1, keepdims=True))
-    mu = 0.5 * structure.sum(axis=-1, keepdims=True) - structure
-    others = mu[:, [1, 2, 0]] * mu[:, [2, 0, 1]]
-    curvature = (structure * mu - others).max(axis=-1)
-    return np.minimum(np.pi / np.sqrt(curvature), np.pi * np.sqrt(moments.min(axis=-1)))
+    radius = np.empty(len(moments))
+    injectivity.radii(moments, radius)
+    return radius
 
 
 Effort = Literal["thorough", "quick"]
