@@ -22,7 +22,7 @@ from usd_tools.comparison.run import measure_all
 from usd_tools.console.arguments import add_prim, add_workers, share
 from usd_tools.console.errors import Messages, ToolError, print_warning, run
 from usd_tools.console.parser import ArgumentParser
-from usd_tools.console.progress import Progress
+from usd_tools.console.progress import Progress, ProgressBar
 from usd_tools.console.text import say
 from usd_tools.files.folders import check_folder, made_beside
 from usd_tools.files.openusd_errors import openusd_errors, usd_warnings
@@ -32,11 +32,13 @@ from usd_tools.learning.summary import described_skipped
 TOOL = "usd_tools.compare"
 CONTENTS = ("figures", "index.html", "results.csv", "results.json", "usd")
 
+PROG = "python -m usd_tools.compare"
 
-def parser() -> ArgumentParser:
+
+def parser(prog: str = PROG) -> ArgumentParser:
     """Make the parser of the command line."""
     parse = ArgumentParser(
-        prog="python -m usd_tools.compare",
+        prog=prog,
         description="Rebuild skeletal animation from a share of its samples by every interpolation scheme, score each "
         "against the original, and write a report: the experiment of Kushner, Modi and Miolane, for any clip.",
         epilog="FOLDER gets results.json and results.csv, figures, every rebuilt clip as a USD layer over its source, "
@@ -82,9 +84,9 @@ def parser() -> ArgumentParser:
     return parse
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
     """Run the command and return its exit code."""
-    args = parser().parse_args(argv)
+    args = parser(prog).parse_args(argv)
     return run(lambda: compare(args))
 
 
@@ -130,7 +132,8 @@ def _read(args: argparse.Namespace, messages: Messages) -> tuple[list[ComparedCl
 def _measure(args: argparse.Namespace, clips: Sequence[ComparedClip], messages: Messages) -> list[Outcome]:
     rates, contenders = list(dict.fromkeys(args.rates)), list(dict.fromkeys(args.schemes))
     wanted = cells([each.name for each in clips], rates, contenders)
-    with Progress(len(wanted), "Comparing") as progress:
+    with ProgressBar() as bar:
+        progress = Progress(bar, len(wanted), "Comparing")
 
         def done(outcome: Outcome) -> None:
             if outcome.row.error is not None:
@@ -159,7 +162,8 @@ def _write(
         rows.append(row)
     head = _head(args, clips, skipped, messages)
     write_results(folder, head, rows)
-    with Progress(None, "Drawing") as progress:
+    with ProgressBar() as bar:
+        progress = Progress(bar, None, "Drawing")
         write_report(folder, head, clips, outcomes, rows, progress.advance)
     return rows
 

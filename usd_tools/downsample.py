@@ -18,8 +18,9 @@ from geomstats_anim import SCHEMES, __version__
 from geomstats_anim.names import CRITERIA, FAMILIES, SELECTIONS, WITH_METRIC
 from usd_tools.console.arguments import add_output, add_prim, positive_number, share, time_codes, whole_number
 from usd_tools.console.errors import Messages, ToolError, print_warning, run
+from usd_tools.console.options import OutputOptions
 from usd_tools.console.parser import ArgumentParser
-from usd_tools.console.progress import SearchProgress
+from usd_tools.console.progress import ProgressBar, SearchProgress
 from usd_tools.downsampling import summary as downsample_report
 from usd_tools.downsampling.reduce import Reduced, Wanted, reduce_clip, verified
 from usd_tools.files.atomic import write_json
@@ -32,11 +33,13 @@ from usd_tools.skel.output import Output
 
 TOOL = "usd_tools.downsample"
 
+PROG = "python -m usd_tools.downsample"
 
-def parser() -> ArgumentParser:
+
+def parser(prog: str = PROG) -> ArgumentParser:
     """Make the parser of the command line."""
     parse = ArgumentParser(
-        prog="python -m usd_tools.downsample",
+        prog=prog,
         description="Keep few samples of skeletal animation, bit for bit, and with them the metric and the tensions "
         "that rebuild the others: usd_tools.upsample OUT -o BACK --times source. Everything else on the stage stays. "
         "OUT does not need the samples of IN, and plays in any viewer, as slerp between those that are left.",
@@ -91,9 +94,9 @@ def parser() -> ArgumentParser:
     return parse
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
     """Run the command and return its exit code."""
-    parse = parser()
+    parse = parser(prog)
     args = parse.parse_args(argv)
     if args.out is None and not args.in_place:
         parse.error("name the output with -o/--out")
@@ -110,7 +113,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def downsample(args: argparse.Namespace) -> int:
     """Do what the arguments say."""
     messages = Messages(print_warning)
-    target = Output.of(args, args.input)
+    target = Output(args.input, args.out, OutputOptions.from_args(args))
     target.check()
     _check_picture(args, target)
     with usd_warnings(messages):
@@ -123,7 +126,8 @@ def downsample(args: argparse.Namespace) -> int:
         wanted = Wanted.of(args)
         reduced = []
         for source in sources:
-            with SearchProgress(None) as progress:
+            with ProgressBar() as bar:
+                progress = SearchProgress(bar, None)
                 reduced.append(reduce_clip(args.input, read_clip(source), wanted, messages, progress.watch))
         moving = [each for each in reduced if each is not None]
         if not moving:

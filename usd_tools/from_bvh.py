@@ -19,7 +19,7 @@ from usd_tools.bvh.reader import Bvh, read_bvh
 from usd_tools.console.arguments import add_format, positive_number
 from usd_tools.console.errors import Messages, ToolError, print_warning, run
 from usd_tools.console.parser import ArgumentParser
-from usd_tools.console.progress import Progress
+from usd_tools.console.progress import Progress, ProgressBar
 from usd_tools.console.text import counted
 from usd_tools.files.openusd_errors import openusd_errors
 from usd_tools.files.paths import check_usd_output, same_file
@@ -31,11 +31,13 @@ from usd_tools.skel.writer import made_by, save_layer
 
 TOOL = "usd_tools.from_bvh"
 
+PROG = "python -m usd_tools.from_bvh"
 
-def parser() -> ArgumentParser:
+
+def parser(prog: str = PROG) -> ArgumentParser:
     """Make the parser of the command line."""
     parse = ArgumentParser(
-        prog="python -m usd_tools.from_bvh",
+        prog=prog,
         description="Convert a BVH file to UsdSkel. Its numbers stay as they are; what a unit of them is, and which "
         "axis is up, is written beside them, for BVH does not tell.",
     )
@@ -56,9 +58,9 @@ def parser() -> ArgumentParser:
     return parse
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
     """Run the command and return its exit code."""
-    args = parser().parse_args(argv)
+    args = parser(prog).parse_args(argv)
     return run(lambda: convert(args))
 
 
@@ -68,7 +70,8 @@ def convert(args: argparse.Namespace) -> int:
     check_usd_output(args.out, args.usdFormat)
     if same_file(args.out, [args.input]):
         raise ToolError(f"--out {args.out} is the input itself; choose another name.")
-    with Progress(3, "Reading") as progress:
+    with ProgressBar() as bar:
+        progress = Progress(bar, 3, "Reading")
         bvh = read_bvh(args.input, args.fps, Messages(print_warning).warn)
         character = _character(bvh, args)
         progress.advance(1, "Converting")

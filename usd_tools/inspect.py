@@ -41,11 +41,13 @@ from usd_tools.skel.rotation_checks import (
     wide_steps,
 )
 
+PROG = "python -m usd_tools.inspect"
 
-def parser() -> ArgumentParser:
+
+def parser(prog: str = PROG) -> ArgumentParser:
     """Make the parser of the command line."""
     parse = ArgumentParser(
-        prog="python -m usd_tools.inspect",
+        prog=prog,
         description="Tell what skeletal animation a USD file has, and what to beware of.",
     )
     parse.add_argument("input", metavar="IN", type=Path, help="USD file")
@@ -53,9 +55,9 @@ def parser() -> ArgumentParser:
     return parse
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
     """Run the command and return its exit code."""
-    args = parser().parse_args(argv)
+    args = parser(prog).parse_args(argv)
     return run(lambda: inspect(args))
 
 

@@ -20,8 +20,9 @@ from geomstats_anim.learning.tune.settings import TuneSettings
 from geomstats_anim.names import FAMILIES, INVARIANCE_CHOICES, KINDS, PURPOSES, SEARCHES, TRIALS, WITH_METRIC
 from usd_tools.console.arguments import add_output, add_prim, add_workers, seed, share, whole_number
 from usd_tools.console.errors import Messages, ToolError, print_warning, run
+from usd_tools.console.options import OutputOptions
 from usd_tools.console.parser import ArgumentParser
-from usd_tools.console.progress import Progress, SearchProgress
+from usd_tools.console.progress import Progress, ProgressBar, SearchProgress
 from usd_tools.files.atomic import write_json, written_beside
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
 from usd_tools.files.paths import EXTENSIONS, check_output, same_file
@@ -37,11 +38,13 @@ TOOL = "usd_tools.learn"
 
 _TPE_ONLY = {"trials": "--trials", "folder": "--folder", "resume": "--resume", "wandb": "--wandb"}
 
+PROG = "python -m usd_tools.learn"
 
-def parser() -> ArgumentParser:
+
+def parser(prog: str = PROG) -> ArgumentParser:
     """Make the parser of the command line."""
     parse = ArgumentParser(
-        prog="python -m usd_tools.learn",
+        prog=prog,
         description="Learn the metric whose geodesics rebuild skeletal animation best from few of its samples, and say "
         "what it is worth beside slerp, on the samples it was learned from and on others.",
         epilog="OUT decides what is made. A USD file: a layer over the one IN, with a metric on each animation, "
@@ -113,9 +116,9 @@ def parser() -> ArgumentParser:
     return parse
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
     """Run the command and return its exit code."""
-    parse = parser()
+    parse = parser(prog)
     args = parse.parse_args(argv)
     if args.out is None and not args.in_place:
         parse.error("name the output with -o/--out")
@@ -150,7 +153,8 @@ def _learn_json(args: argparse.Namespace, messages: Messages) -> int:
         for argument, path in (("--out", args.out), ("--report", args.report)):
             if path is not None and same_file(path, files):
                 raise ToolError(f"{argument} {path} is an input; choose another name.")
-        with Progress(len(files), "Reading") as progress:
+        with ProgressBar() as bar:
+            progress = Progress(bar, len(files), "Reading")
             takes, skipped = gather(files, args.prim, args.skip_mismatched, messages, progress.advance)
         lesson = _teach(args, takes, messages)
     with written_beside(args.out) as beside:
@@ -172,7 +176,7 @@ def _learn_usd(args: argparse.Namespace, messages: Messages) -> int:
     path = args.inputs[0]
     if args.out is not None and args.out.suffix not in EXTENSIONS:
         raise ToolError(f"--out {args.out}: the name must end in {', '.join(EXTENSIONS)}, .json.")
-    target = Output.of(args, path)
+    target = Output(path, args.out, OutputOptions.from_args(args))
     target.check()
     with usd_warnings(messages), reading(path):
         stage = open_stage(path)
@@ -212,7 +216,8 @@ def _teach(args: argparse.Namespace, takes: Sequence[Take], messages: Messages) 
     if alone and args.search == "gradient" and (args.address or (args.cpus or 1) > 1):
         option = "--address" if args.address else "--cpus"
         messages.warn(f"{option} spreads several clips over workers; {takes[0]} is one, learned in this process.")
-    with SearchProgress(args.trials or TRIALS if args.search == "tpe-joint" else None) as progress:
+    with ProgressBar() as bar:
+        progress = SearchProgress(bar, args.trials or TRIALS if args.search == "tpe-joint" else None)
         return teach(takes, _recipe(args), progress.watch)
 
 

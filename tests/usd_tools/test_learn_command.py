@@ -320,7 +320,7 @@ def test_tables_lose_nothing_on_a_narrow_terminal(capsys, monkeypatch, width):
 
 def test_progress_tells_evaluations_value_and_gain(monkeypatch):
     told = []
-    progress = SearchProgress(None)
+    progress = SearchProgress(None, None)
     monkeypatch.setattr(progress, "advance", lambda amount, words: told.append((amount, words)))
     for evaluations, value in ((1, 2.0), (5, 1.5), (1, 4.0), (3, 3.0)):
         progress.watch(evaluations, value)

@@ -16,7 +16,7 @@ from geomstats_anim import SCHEMES, LogStatus, interpolate
 from geomstats_anim import rotations as quat
 from geomstats_anim.interpolation.curves import Fallback
 from geomstats_anim.interpolation.schemes import Slerp
-from usd_tools.console.progress import Progress
+from usd_tools.console.progress import Progress, ProgressBar
 from usd_tools.files.paths import relative_asset_path
 from usd_tools.skel.clip import read_clip
 from usd_tools.skel.find import find_animations
@@ -409,9 +409,9 @@ def test_progress_shows_late_and_on_a_terminal_only(monkeypatch, capsys):
     for terminal, patience, shows in ((True, 0.0, True), (False, 0.0, False), (True, 100.0, False)):
         monkeypatch.setattr(sys.stderr, "isatty", lambda terminal=terminal: terminal)
         monkeypatch.setattr("usd_tools.console.progress.PATIENCE", patience)
-        with Progress(10.0, "Interpolating") as progress:
-            progress.advance(5.0)
-            assert (progress._bar is not None) == shows
+        with ProgressBar() as bar:
+            Progress(bar, 10.0, "Interpolating").advance(5.0)
+            assert (bar._bar is not None) == shows
         assert capsys.readouterr().out == ""
 
 

@@ -6,6 +6,7 @@ import io
 import os
 import sys
 from collections.abc import Callable
+from typing import NoReturn
 
 from usd_tools.console.text import print_to
 
@@ -15,6 +16,10 @@ INTERRUPTED = 130
 
 class ToolError(Exception):
     """Something is wrong with the input; the message is one sentence that names it and says what to do."""
+
+
+class UsageError(ToolError):
+    """Options are wrong in themselves, whatever the input; the message is a sentence without its dot."""
 
 
 class Messages:
@@ -48,13 +53,16 @@ def print_warning(sentence: str) -> None:
     print_to(sys.stderr, f"warning: {sentence}")
 
 
-def run(command: Callable[[], int]) -> int:
+def run(command: Callable[[], int], usage_error: Callable[[str], NoReturn] | None = None) -> int:
     """Run a command and turn its errors into one sentence on stderr.
 
     Parameters
     ----------
     command : callable
         Returns the exit code.
+    usage_error : callable
+        Ends the program after an error of usage: `ArgumentParser.error`.
+        Optional, default: it is an error as others.
 
     Returns
     -------
@@ -68,6 +76,8 @@ def run(command: Callable[[], int]) -> int:
         sys.stdout.flush()
         return code
     except ToolError as error:
+        if usage_error is not None and isinstance(error, UsageError):
+            usage_error(str(error))
         sentence = str(error)
     except KeyboardInterrupt:
         print("error: interrupted; unfinished output was discarded.", file=sys.stderr)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -63,6 +64,20 @@ def export_layer(layer: Sdf.Layer, path: Path, usd_format: str | None = None, ch
             Sdf.Layer.OpenAsAnonymous(str(path))
         except Tf.ErrorException as error:
             raise ToolError(f"{path.name} could not be read again: {commentary(error).rstrip('.')}.") from error
+
+
+def stage_path(stage: Usd.Stage) -> Path:
+    """Return the file of a stage's root layer; of a stage that is in no file, its name."""
+    root = stage.GetRootLayer()
+    return Path(root.realPath or root.GetDisplayName() or "stage")
+
+
+def stage_sha256(stage: Usd.Stage) -> str:
+    """Hash the file of a stage's root layer, or the layer's text where it is not what the file is; hexadecimal."""
+    root = stage.GetRootLayer()
+    if root.realPath and not root.dirty:
+        return hashlib.sha256(Path(root.realPath).read_bytes()).hexdigest()
+    return hashlib.sha256(root.ExportToString().encode()).hexdigest()
 
 
 def missing_files(path: Path) -> list[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,6 +12,7 @@ from geomstats_anim import Animation, Skeleton
 from geomstats_anim.learning.learn import turns
 from usd_tools.console.errors import ToolError
 from usd_tools.console.text import counted
+from usd_tools.files.stages import stage_sha256
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.resampling import animation_of
 
@@ -100,7 +100,7 @@ def take_of(path: Path, clip: SkelClip, alone: bool = True) -> Take:
     if not moving:
         raise ToolError(f"{path}: no joint of {clip.path} turns, so there is nothing to learn.")
     label = path.name if alone else f"{path.name}, {clip.path}"
-    sha256 = hashlib.sha256(path.read_bytes()).hexdigest()
+    sha256 = stage_sha256(clip.source.stage)
     return Take(path.name, sha256, clip.path, label, clip.joints, moving)
 
 

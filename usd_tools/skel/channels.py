@@ -116,11 +116,13 @@ class Channel:
         return not self.blocked.any() and bool(self.holds.all())
 
 
-def write_samples(spec: Sdf.AttributeSpec, channel: Channel, stretch: float = 1.0) -> None:
-    """Write the samples of a channel, and no others, to an attribute; time codes are multiplied by a number."""
+def write_samples(spec: Sdf.AttributeSpec, channel: Channel, offset: Sdf.LayerOffset | None = None) -> None:
+    """Write the samples of a channel, and no others, to an attribute; an offset maps time codes to the layer's."""
     kind, block = CHANNELS[channel.name], Sdf.ValueBlock()
     spec.ClearInfo("timeSamples")
-    layer, path, codes = spec.layer, spec.path, (channel.codes * stretch).tolist()
+    layer, path, codes = spec.layer, spec.path, channel.codes.tolist()
+    if offset is not None and not offset.IsIdentity():
+        codes = [offset * code for code in codes]
     with Sdf.ChangeBlock():
         for code, values, is_blocked in zip(codes, channel.values, channel.blocked, strict=True):
             layer.SetTimeSample(path, code, block if is_blocked else kind.to_usd(values))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 from pxr import Sdf, Usd, UsdSkel
 
 from usd_tools.console.errors import Messages
@@ -11,7 +13,19 @@ from usd_tools.skel.find import AnimationSource
 BINDING = "skel:animationSource"
 
 
-def editable_paths(layer: Sdf.Layer, source: AnimationSource, messages: Messages) -> list[Sdf.Path]:
+class Layer(Protocol):
+    """A layer, seen from the stage; see `writer.AnimationLayer`."""
+
+    layer: Sdf.Layer
+
+    def spec_path(self, path: Sdf.Path) -> Sdf.Path:
+        """Return where a prim of the stage is in the layer."""
+
+    def prim(self, path: Sdf.Path) -> Sdf.PrimSpec:
+        """Return the spec of a prim of the stage, made where there is none."""
+
+
+def editable_paths(layer: Layer, source: AnimationSource, messages: Messages) -> list[Sdf.Path]:
     """Find, or make, the prims of a layer on which samples of an animation count.
 
     The prim itself, if it is in no instance. Otherwise the prim that the instances are made of, if the stage's own
@@ -20,7 +34,7 @@ def editable_paths(layer: Sdf.Layer, source: AnimationSource, messages: Messages
 
     Parameters
     ----------
-    layer : Sdf.Layer
+    layer : Layer
         To be changed.
     source : AnimationSource
     messages : Messages
@@ -43,7 +57,7 @@ def editable_paths(layer: Sdf.Layer, source: AnimationSource, messages: Messages
     for prim in source.prims:
         for path in prim.GetPath().GetPrefixes():
             if source.stage.GetPrimAtPath(path).IsInstance():
-                Sdf.CreatePrimInLayer(layer, path).SetInfo("instanceable", False)
+                layer.prim(path).SetInfo("instanceable", False)
                 messages.warn(f"{path} is no longer an instance, so that its animation can be changed.")
     return [prim.GetPath() for prim in source.prims]
 
@@ -66,14 +80,14 @@ def _is_bound_inside(skeleton: Usd.Prim) -> bool:
     return False
 
 
-def _moved_outside(layer: Sdf.Layer, source: AnimationSource) -> Sdf.Path:
+def _moved_outside(layer: Layer, source: AnimationSource) -> Sdf.Path:
     """Copy what an animation has besides samples to a new prim, and bind the instances to it."""
     root = _instance_root(source.prim)
     name = f"{root.GetName()}_{source.prim.GetName()}"
     path = root.GetPath().GetParentPath().AppendChild(name)
-    while source.stage.GetPrimAtPath(path) or layer.GetPrimAtPath(path):
+    while source.stage.GetPrimAtPath(path) or layer.layer.GetPrimAtPath(layer.spec_path(path)):
         path = path.ReplaceName(f"{path.name}_")
-    spec = Sdf.CreatePrimInLayer(layer, path)
+    spec = layer.prim(path)
     spec.specifier, spec.typeName = Sdf.SpecifierDef, "SkelAnimation"
     for attribute in source.prim.GetAuthoredAttributes():
         value = attribute.Get()
@@ -82,10 +96,10 @@ def _moved_outside(layer: Sdf.Layer, source: AnimationSource) -> Sdf.Path:
             copy.custom, copy.default = attribute.IsCustom(), value
     for skeleton in source.skeletons:
         bound = _instance_root(skeleton) if skeleton.IsInstanceProxy() else skeleton
-        over = Sdf.CreatePrimInLayer(layer, bound.GetPath())
+        over = layer.prim(bound.GetPath())
         if BINDING not in over.relationships:
             Sdf.RelationshipSpec(over, BINDING, custom=False)
-        over.relationships[BINDING].targetPathList.explicitItems = [path]
+        over.relationships[BINDING].targetPathList.explicitItems = [layer.spec_path(path).StripAllVariantSelections()]
         if not bound.HasAPI(UsdSkel.BindingAPI):
             over.SetInfo("apiSchemas", Sdf.TokenListOp.Create(prependedItems=["SkelBindingAPI"]))
     return path

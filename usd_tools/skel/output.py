@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,6 +11,7 @@ import numpy as np
 from pxr import Usd
 
 from usd_tools.console.errors import Messages, ToolError
+from usd_tools.console.options import OutputOptions
 from usd_tools.console.text import counted
 from usd_tools.files.openusd_gaps import lost_by_flattening
 from usd_tools.files.paths import check_output, check_usd_output, same_file
@@ -75,12 +75,7 @@ class Output:
         File that is read.
     out : Path or None
         File to write.
-    in_place : bool
-        Whether to change the source.
-    flatten : bool
-    usd_format : str or None
-    report : Path or None
-        File for what was done.
+    options : OutputOptions
     copy : bool
         Whether to write the source's own layer, changed, instead of a layer over it.
         Optional, default: False.
@@ -88,21 +83,13 @@ class Output:
 
     source: Path
     out: Path | None
-    in_place: bool
-    flatten: bool
-    usd_format: str | None
-    report: Path | None
+    options: OutputOptions
     copy: bool = False
-
-    @classmethod
-    def of(cls, args: argparse.Namespace, source: Path) -> Output:
-        """Take it from the command line."""
-        return cls(source, args.out, args.in_place, args.flatten, args.usdFormat, args.report)
 
     @property
     def path(self) -> Path:
         """File that is written."""
-        return self.source if self.in_place or self.out is None else self.out
+        return self.source if self.options.in_place or self.out is None else self.out
 
     def check(self) -> None:
         """Check the names, before any work is done.
@@ -113,23 +100,23 @@ class Output:
             If one of them cannot be written, or is another's.
         """
         if self.out is not None:
-            check_usd_output(self.out, self.usd_format)
-            if same_file(self.out, [self.source]) and not self.in_place:
+            check_usd_output(self.out, self.options.usd_format)
+            if same_file(self.out, [self.source]) and not self.options.in_place:
                 raise ToolError(f"--out {self.out} is the input itself; choose another name, or add --in-place.")
-            if self.in_place and not same_file(self.out, [self.source]):
+            if self.options.in_place and not same_file(self.out, [self.source]):
                 raise ToolError(f"--in-place changes {self.source}, but --out is {self.out}; leave one of them out.")
-        if self.in_place:
+        if self.options.in_place:
             if self.source.suffix == ".usdz":
                 raise ToolError(
                     f"{self.source} is a package and cannot be changed in place; name another file with --out."
                 )
             check_output(self.source, "--in-place")
-        check_report(self.report, self.source, self.path)
+        check_report(self.options.report, self.source, self.path)
 
     def check_layers(self, stage: Usd.Stage) -> None:
         """Refuse to write over a file that the source needs."""
         needed = [layer.realPath for layer in stage.GetUsedLayers() if layer != stage.GetRootLayer()]
-        for argument, path in (("--out", self.out), ("--report", self.report)):
+        for argument, path in (("--out", self.out), ("--report", self.options.report)):
             if path is not None and same_file(path, needed):
                 raise ToolError(f"{argument} {path} is a file that {self.source} needs; choose another name.")
 
@@ -146,11 +133,11 @@ class Output:
         """
         if all(_is_in_root_layer(source) for source in sources) and self.path.suffix != ".usdz":
             return replace(self, copy=True)
-        if self.in_place and not self.flatten:
+        if self.options.in_place and not self.options.flatten:
             raise ToolError(
                 f"--in-place: the samples are in files that {self.source} needs; name another file with --out."
             )
-        return replace(self, flatten=True)
+        return replace(self, options=replace(self.options, flatten=True))
 
     def layer(
         self,
@@ -161,21 +148,21 @@ class Output:
         codes_per_second: float | None = None,
     ) -> OverrideLayer:
         """Begin the layer that is to be written, see `OverrideLayer`; warn of what flattening will take from it."""
-        fixed = lost_by_flattening(stage) if self.flatten else []
+        fixed = lost_by_flattening(stage) if self.options.flatten else []
         if fixed:
             more = f" and {len(fixed) - _A_FEW} more" if len(fixed) > _A_FEW else ""
             messages.warn(f"flattening fixes variant sets: {', '.join(fixed[:_A_FEW])}{more}.")
-        base = stage.GetRootLayer() if (self.in_place or self.copy) and not self.flatten else None
+        base = stage.GetRootLayer() if (self.options.in_place or self.copy) and not self.options.flatten else None
         return OverrideLayer(stage, tool, settings, codes_per_second, base)
 
     def save(self, layer: OverrideLayer) -> None:
         """Write the layer."""
-        if self.in_place and not self.flatten:
+        if self.options.in_place and not self.options.flatten:
             save_in_place(layer, self.source.resolve())
-        elif self.copy and not self.flatten:
-            save_copy(layer, self.source, self.path, self.usd_format)
+        elif self.copy and not self.options.flatten:
+            save_copy(layer, self.source, self.path, self.options.usd_format)
         else:
-            save(layer, self.source, self.path, self.usd_format, self.flatten)
+            save(layer, self.source, self.path, self.options.usd_format, self.options.flatten)
 
 
 def _is_in_root_layer(source: AnimationSource) -> bool:

@@ -44,52 +44,26 @@ def made_by(tool: str, settings: Mapping[str, Any]) -> dict[str, Any]:
     return {TOOL: {"tool": tool, "version": __version__, "settings": dict(settings)}}
 
 
-class OverrideLayer:
-    """A layer that changes animations of a stage and leaves everything else to it by composition.
+class AnimationLayer:
+    """A layer that animations of a stage are written into.
 
     Parameters
     ----------
-    stage : Usd.Stage
-        The source.
-    tool : str
-        What makes the layer, for its `customLayerData`.
-    settings : mapping
-        Plain values, for its `customLayerData`.
-    codes_per_second : float
-        Plays the source at another number of time codes a second: USD stretches a sublayer whose rate differs.
-        Optional, default: the source's own.
-    base : Sdf.Layer
-        Layer to be changed in place.
-        Optional, default: a new layer, to be put over the source.
+    layer : Sdf.Layer
+    offset : Sdf.LayerOffset
+        From the stage's time codes to the layer's.
     """
 
-    def __init__(
-        self,
-        stage: Usd.Stage,
-        tool: str,
-        settings: Mapping[str, Any],
-        codes_per_second: float | None = None,
-        base: Sdf.Layer | None = None,
-    ) -> None:
-        self.layer = Sdf.Layer.CreateAnonymous(".usda")
-        root = stage.GetRootLayer()
-        self.stretch = 1.0
-        if base is not None:
-            self.layer.TransferContent(base)
-        else:
-            # Stage metadata counts in the root layer only: what is not copied up is lost, the frame rate first.
-            # A usdc has it in the order in which it is set, and OpenUSD lists it in that of addresses in memory.
-            for key in sorted(root.pseudoRoot.ListInfoKeys()):
-                if key not in _NOT_COPIED:
-                    self.layer.pseudoRoot.SetInfo(key, root.pseudoRoot.GetInfo(key))
-        if codes_per_second is not None:
-            self.stretch = codes_per_second / stage.GetTimeCodesPerSecond()
-            self.layer.timeCodesPerSecond = self.layer.framesPerSecond = codes_per_second
-            if root.HasStartTimeCode():
-                self.layer.startTimeCode = root.startTimeCode * self.stretch
-            if root.HasEndTimeCode():
-                self.layer.endTimeCode = root.endTimeCode * self.stretch
-        self.layer.customLayerData = {**root.customLayerData, **made_by(tool, settings)}
+    def __init__(self, layer: Sdf.Layer, offset: Sdf.LayerOffset) -> None:
+        self.layer, self.offset = layer, offset
+
+    def spec_path(self, path: Sdf.Path) -> Sdf.Path:
+        """Return where a prim of the stage is in the layer."""
+        return path
+
+    def prim(self, path: Sdf.Path) -> Sdf.PrimSpec:
+        """Return the spec of a prim of the stage, made where there is none."""
+        return Sdf.CreatePrimInLayer(self.layer, self.spec_path(path))
 
     def write_animation(
         self,
@@ -116,14 +90,14 @@ class OverrideLayer:
             Of a sparse animation: where its source had samples.
             Optional, default: it is not sparse.
         """
-        for path in editable_paths(self.layer, source, messages):
-            spec = Sdf.CreatePrimInLayer(self.layer, path)
+        for path in editable_paths(self, source, messages):
+            spec = self.prim(path)
             for name, values in defaults.items():
                 kind, attribute = CHANNELS[name], _attribute(spec, name)
                 attribute.ClearInfo("timeSamples")
                 attribute.default = kind.to_usd(values.astype(kind.dtype))
             for name, channel in channels.items():
-                write_samples(_attribute(spec, name), channel, self.stretch)
+                write_samples(_attribute(spec, name), channel, self.offset)
             if metric is not None:
                 axes = source.prim.GetAttribute(f"{NAMESPACE}:axes")
                 write_metric(spec, metric, hide_axes=bool(axes) and axes.HasAuthoredValue())
@@ -132,7 +106,55 @@ class OverrideLayer:
         if metric is not None:
             for skeleton in source.skeletons:
                 if not skeleton.IsInstanceProxy():
-                    write_summary(Sdf.CreatePrimInLayer(self.layer, skeleton.GetPath()), metric)
+                    write_summary(self.prim(skeleton.GetPath()), metric)
+
+
+class OverrideLayer(AnimationLayer):
+    """A layer that changes animations of a stage and leaves everything else to it by composition.
+
+    Parameters
+    ----------
+    stage : Usd.Stage
+        The source.
+    tool : str
+        What makes the layer, for its `customLayerData`.
+    settings : mapping
+        Plain values, for its `customLayerData`.
+    codes_per_second : float
+        Plays the source at another number of time codes a second: USD stretches a sublayer whose rate differs.
+        Optional, default: the source's own.
+    base : Sdf.Layer
+        Layer to be changed in place.
+        Optional, default: a new layer, to be put over the source.
+    """
+
+    def __init__(
+        self,
+        stage: Usd.Stage,
+        tool: str,
+        settings: Mapping[str, Any],
+        codes_per_second: float | None = None,
+        base: Sdf.Layer | None = None,
+    ) -> None:
+        super().__init__(Sdf.Layer.CreateAnonymous(".usda"), Sdf.LayerOffset())
+        root = stage.GetRootLayer()
+        if base is not None:
+            self.layer.TransferContent(base)
+        else:
+            # Stage metadata counts in the root layer only: what is not copied up is lost, the frame rate first.
+            # A usdc has it in the order in which it is set, and OpenUSD lists it in that of addresses in memory.
+            for key in sorted(root.pseudoRoot.ListInfoKeys()):
+                if key not in _NOT_COPIED:
+                    self.layer.pseudoRoot.SetInfo(key, root.pseudoRoot.GetInfo(key))
+        if codes_per_second is not None:
+            stretch = codes_per_second / stage.GetTimeCodesPerSecond()
+            self.offset = Sdf.LayerOffset(0.0, stretch)
+            self.layer.timeCodesPerSecond = self.layer.framesPerSecond = codes_per_second
+            if root.HasStartTimeCode():
+                self.layer.startTimeCode = root.startTimeCode * stretch
+            if root.HasEndTimeCode():
+                self.layer.endTimeCode = root.endTimeCode * stretch
+        self.layer.customLayerData = {**root.customLayerData, **made_by(tool, settings)}
 
 
 def _attribute(spec: Sdf.PrimSpec, name: str) -> Sdf.AttributeSpec:

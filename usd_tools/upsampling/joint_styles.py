@@ -6,11 +6,14 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
+from typing import TYPE_CHECKING
 
-from geomstats_anim import LearnedMetric, MetricParameters
 from geomstats_anim.names import INVARIANCES
 from usd_tools.console.arguments import positive_number
 from usd_tools.console.text import did_you_mean
+
+if TYPE_CHECKING:
+    from geomstats_anim import LearnedMetric
 
 
 @dataclass(frozen=True)
@@ -87,6 +90,8 @@ def styled(metric: LearnedMetric, styles: Sequence[Style]) -> LearnedMetric:
         The same metric where nothing matches; otherwise one that no longer claims to minimise a quality, and says in
         its provenance how it was styled.
     """
+    from geomstats_anim import MetricParameters
+
     alpha, beta = metric.parameters.alpha.copy(), metric.parameters.beta.copy()
     invariance = list(metric.parameters.invariance)
     used = []

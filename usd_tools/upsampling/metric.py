@@ -1,4 +1,4 @@
-"""Which metric and scheme each animation gets: what the user asks for, what the file stores, what is styled by hand."""
+"""The metric and scheme of each animation: as asked for, as stored in the file, as learned here, as set by hand."""
 
 from __future__ import annotations
 
@@ -6,20 +6,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from geomstats_anim import SCHEMES, LearnedMetric
-from geomstats_anim.names import DEFAULT_SCHEME, WITH_METRIC
+from geomstats_anim import LearnedMetric
+from geomstats_anim.names import DEFAULT_SCHEME, SCHEME_NAMES, WITH_METRIC
 from usd_tools.console.errors import Messages, ToolError
+from usd_tools.console.progress import ProgressCallback
 from usd_tools.console.text import did_you_mean, short_names
 from usd_tools.metrics.attributes import read_metric
 from usd_tools.skel.clip import SkelClip
-from usd_tools.upsampling.joint_styles import Style, styled, unmatched
+from usd_tools.upsampling.joint_styles import styled, unmatched
+from usd_tools.upsampling.options import UpsampleOptions
 
-_WORDS = ("stored", "identity", "learn")
+LEARNING_RATE = 0.5
+"""Share of samples that are keys when a clip teaches itself: twice the spacing, and the only one near it with truth."""
 
 
 @dataclass(frozen=True, eq=False)
-class EffectiveMetric:
-    """What an animation is interpolated with.
+class ChosenMetric:
+    """The metric that an animation is interpolated with.
 
     Parameters
     ----------
@@ -28,12 +31,15 @@ class EffectiveMetric:
     origin : str
         "stored", "identity", "learned" or the name of a file.
     missing : tuple of str
-        Joints of which a stored or given metric knows nothing.
+        Joints of which a stored or given metric has no entry.
+    learned : str
+        What learning brought, a sentence; "" if nothing was learned.
     """
 
     metric: LearnedMetric
     origin: str
     missing: tuple[str, ...]
+    learned: str = ""
 
     @property
     def is_used(self) -> bool:
@@ -41,33 +47,31 @@ class EffectiveMetric:
         return self.metric.scheme in WITH_METRIC
 
 
-def effective_metrics(
+def choose_metrics(
     path: Path,
     clips: Sequence[SkelClip],
-    wanted: str | None,
-    scheme: str | None,
-    styles: Sequence[Style],
+    options: UpsampleOptions,
     messages: Messages,
-) -> list[EffectiveMetric]:
-    """Find the metric and the scheme for each animation.
+    progress: ProgressCallback | None = None,
+) -> list[ChosenMetric]:
+    """Choose the metric and the scheme for each animation.
 
     Parameters
     ----------
     path : Path
         File that the animations are in.
     clips : sequence of SkelClip
-    wanted : str or None
-        "stored", "identity", "learn", a JSON file, or None for the stored one where there is one, else the identity.
-    scheme : str or None
-        A name in `SCHEMES`, or None for the one that the metric was made for.
-    styles : sequence of Style
-        Applied to all.
+    options : UpsampleOptions
+        Its metric, scheme and styles.
     messages : Messages
         Told of joints that are missing.
+    progress : ProgressCallback
+        Of learning.
+        Optional, default: none.
 
     Returns
     -------
-    metrics : list of EffectiveMetric
+    metrics : list of ChosenMetric
 
     Raises
     ------
@@ -75,34 +79,36 @@ def effective_metrics(
         If a metric is not there or malformed, its scheme is not known, or a style or the file matches no joint.
     """
     every_joint = [joint for clip in clips for joint in clip.joints]
-    lost = unmatched(styles, every_joint)
+    lost = unmatched(options.styles, every_joint)
     if lost is not None:
         near = did_you_mean(lost.pattern, [*short_names(every_joint).values(), *every_joint])
         raise ToolError(f"--joint {lost.pattern} matches no joint{near or f'; the file has {_a_few(every_joint)}.'}")
-    from_file = None if wanted in (None, *_WORDS) else _read_file(Path(str(wanted)))
+    from_file = _read_file(options.metric) if isinstance(options.metric, Path) else None
     if from_file is not None and not set(from_file.joints) & set(every_joint):
-        raise ToolError(f"--metric {wanted} has an entry for no joint of this file, which has {_a_few(every_joint)}.")
-    return [_effective(path, clip, wanted, from_file, scheme, styles, messages) for clip in clips]
+        raise ToolError(
+            f"--metric {options.metric} has an entry for no joint of this file, which has {_a_few(every_joint)}."
+        )
+    return [_choose(path, clip, from_file, options, messages, progress) for clip in clips]
 
 
-def _effective(
+def _choose(
     path: Path,
     clip: SkelClip,
-    wanted: str | None,
     from_file: LearnedMetric | None,
-    scheme: str | None,
-    styles: Sequence[Style],
+    options: UpsampleOptions,
     messages: Messages,
-) -> EffectiveMetric:
-    base, origin = from_file, Path(str(wanted)).name
-    if wanted == "learn" and clip.joints:
-        from usd_tools.upsampling.self_taught import taught_by_itself
-
-        base, origin = taught_by_itself(path, clip, scheme, messages), "learned"
-    elif from_file is None:
-        base, origin = (None if wanted in ("identity", "learn") else read_metric(clip.source.prim)), "stored"
-    if base is None and wanted == "stored":
-        raise ToolError(f"{clip.path} stores no metric; leave --metric out, or choose the animation with --prim.")
+    progress: ProgressCallback | None,
+) -> ChosenMetric:
+    base, origin, learned = from_file, "stored", ""
+    if isinstance(options.metric, Path):
+        origin = options.metric.name
+    elif options.metric == "learn" and clip.joints:
+        origin = "learned"
+        base, learned = learn_from_clip(path, clip, options.scheme, messages, progress)
+    elif options.metric not in ("identity", "learn"):
+        base = read_metric(clip.source.prim)
+        if base is None and options.metric == "stored":
+            raise ToolError(f"{clip.path} stores no metric; leave --metric out, or choose the animation with --prim.")
     missing: tuple[str, ...] = ()
     if base is None:
         metric, origin = LearnedMetric.plain(clip.joints, DEFAULT_SCHEME), "identity"
@@ -110,16 +116,73 @@ def _effective(
         metric, missing = base.for_joints(clip.joints)
         if missing:
             messages.warn(f"{clip.path}: the metric knows nothing of {', '.join(missing)}; the identity is used there.")
-    if scheme is None and metric.scheme not in SCHEMES:
+    if options.scheme is None and metric.scheme not in SCHEME_NAMES:
         raise ToolError(
             f"{clip.path}: the metric asks for the scheme {metric.scheme!r}, which this program does not have; "
-            f"choose --scheme {', '.join(SCHEMES)}."
+            f"choose --scheme {', '.join(SCHEME_NAMES)}."
         )
     try:
-        metric = styled(metric.for_scheme(scheme or metric.scheme), styles)
+        metric = styled(metric.for_scheme(options.scheme or metric.scheme), options.styles)
     except ValueError as error:
         raise ToolError(f"{clip.path} cannot be styled so: {error}") from error
-    return EffectiveMetric(metric, origin, missing)
+    return ChosenMetric(metric, origin, missing, learned)
+
+
+def learn_from_clip(
+    path: Path, clip: SkelClip, scheme: str | None, messages: Messages, progress: ProgressCallback | None
+) -> tuple[LearnedMetric, str]:
+    """Learn a metric from the animation that is to be upsampled.
+
+    Every other sample is a key, and the metric is sought that predicts the samples between: the same task as putting
+    a new sample into every gap, at twice the spacing. It is for frames that nobody has seen, so the purpose is to
+    predict: cross-validation shrinks the metric towards the bi-invariant one, unless it is sure of a gain.
+
+    Parameters
+    ----------
+    path : Path
+        File that the animation is in.
+    clip : SkelClip
+    scheme : str or None
+        Scheme to learn for; None for the usual one.
+    messages : Messages
+        Told if there is nothing to learn from, so that the identity is used.
+    progress : ProgressCallback or None
+
+    Returns
+    -------
+    metric : LearnedMetric
+    learned : str
+        What it brings, a sentence; "" if there is nothing to learn from.
+
+    Raises
+    ------
+    ToolError
+        If nothing can be learned for the scheme.
+    """
+    from usd_tools.console.progress import SearchProgress
+    from usd_tools.learning.clips import take_of
+    from usd_tools.learning.train import Recipe as LearnOptions
+    from usd_tools.learning.train import teach as learn_and_assess
+
+    if scheme is not None and scheme not in WITH_METRIC:
+        raise ToolError(
+            f"--metric learn learns for --scheme {', '.join(WITH_METRIC)}, not for {scheme}; choose one of them."
+        )
+    options = LearnOptions(rate=LEARNING_RATE, purpose="predict", scheme=scheme or DEFAULT_SCHEME)
+    try:
+        found = learn_and_assess([take_of(path, clip)], options, SearchProgress(progress, None).watch)
+    except ToolError as error:
+        messages.warn(f"{str(error).rstrip('.')}; the identity is used.")
+        return LearnedMetric.plain(clip.joints, options.scheme), ""
+    if found.is_plain:
+        plain = "the plain spline" if options.scheme == "geodesic-spline" else "slerp"
+        gained = f"nothing is sure to predict the others better than {plain}: a tie, and it is kept"
+    else:
+        unseen = found.cross_validated
+        assert unseen is not None
+        tie = ", which is a tie" if unseen.ties else ""
+        gained = f"the others are predicted, cross-validated, {unseen.beside_rival}{tie}"
+    return found.metric, f"{clip.path}: learned from every other sample; {gained}."
 
 
 def _read_file(path: Path) -> LearnedMetric:

@@ -1,69 +1,78 @@
-"""What `upsample` says of its work: lines on stdout, warnings on stderr, and plain values for the report."""
+"""What `upsample` says of its work: lines on stdout, warnings, and plain values."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
 
 import numpy as np
 
 from geomstats_anim.interpolation.curves import Fallback
-from usd_tools.console.errors import Messages
-from usd_tools.console.text import counted
+from usd_tools.console.text import counted, say
 from usd_tools.metrics.attributes import summary
+from usd_tools.skel import output
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.resampling import Resampled
 from usd_tools.skel.rotation_checks import WIDE_DEGREES, largest_step, rotation_steps, wide_steps
-from usd_tools.upsampling.metric import EffectiveMetric
+from usd_tools.upsampling.metric import ChosenMetric
+from usd_tools.upsampling.result import UpsampledAnimation, UpsampleResult
 
 
 @dataclass(frozen=True, eq=False)
-class Job:
-    """One animation: what is there, where samples go, with which metric, and the result."""
+class UpsampledClip:
+    """One animation: its source, where its samples go, the metric, and the new samples."""
 
     clip: SkelClip
     codes: np.ndarray
-    effective: EffectiveMetric
+    chosen: ChosenMetric
     result: Resampled
 
 
-def tell(job: Job, verbose: bool, messages: Messages) -> None:
-    """Say on stdout what happens to an animation, and on stderr what went wrong."""
-    clip, metric = job.clip, job.effective.metric
-    how = _how(job.effective) if clip.joints else "blend shapes, linear"
-    joints = counted(len(clip.joints), "joint")
-    print(f"{clip.path}: {_growth(job)}, {joints}; {how}")
-    for sentence in _fallback_sentences(clip, job.result.fallbacks):
-        messages.warn(sentence)
-    for sentence in _wide_sentences(clip, verbose):
-        messages.warn(sentence)
+def warnings_of(upsampled: UpsampledClip, verbose: bool) -> list[str]:
+    """Return what went wrong, or may have."""
+    clip = upsampled.clip
+    return _fallback_sentences(clip, upsampled.result.fallbacks) + _wide_sentences(clip, verbose)
+
+
+def print_summary(result: UpsampleResult, verbose: bool) -> None:
+    """Print a line for each animation, and one on what was written."""
+    for animation in result.animations:
+        _print_animation(animation, verbose)
+    if result.path is None:
+        say("Nothing is written: this is a dry run.")
+        return
+    sentences = (output.written(result.path, result.time_codes_per_second), result.advice, result.dependencies)
+    say(" ".join(filter(None, sentences)))
+
+
+def _print_animation(animation: UpsampledAnimation, verbose: bool) -> None:
+    if animation.learned:
+        say(animation.learned)
+    how = _how(animation) if animation.joints else "blend shapes, linear"
+    say(f"{animation.prim}: {_growth(animation)}, {counted(animation.joints, 'joint')}; {how}")
     if verbose:
-        print(f"  drives {', '.join(str(prim.GetPath()) for prim in clip.source.skeletons) or 'no skeleton'}")
-        if job.effective.is_used:
-            print(f"  {summary(metric)}")
-        for name, channel in clip.channels.items():
-            after = len(job.result.channels[name].codes) if name in job.result.channels else len(channel.codes)
-            print(f"  {name}: {len(channel.codes)} -> {after} samples")
+        say(f"  drives {', '.join(animation.skeletons) or 'no skeleton'}")
+        if animation.metric_summary is not None:
+            say(f"  {animation.metric_summary}")
+        for name, channel in animation.channels.items():
+            say(f"  {name}: {channel['samples_before']} -> {channel['samples_after']} samples")
 
 
-def _how(effective: EffectiveMetric) -> str:
-    if not effective.is_used:
-        return effective.metric.scheme
-    styles = ", styled" if "styles" in effective.metric.provenance else ""
-    return f"{effective.metric.scheme}, {effective.origin} metric{styles}"
+def _how(animation: UpsampledAnimation) -> str:
+    if animation.metric is None:
+        return animation.scheme
+    return f"{animation.scheme}, {animation.metric} metric{', styled' if animation.styles else ''}"
 
 
-def _growth(job: Job) -> str:
-    """Tell the samples before and after; channel by channel where they differ, as in what is only partly sparse."""
+def _growth(animation: UpsampledAnimation) -> str:
+    """Return the samples before and after; of each channel where they differ, as in what is only partly sparse."""
     growth: dict[tuple[int, int], list[str]] = {}
-    for name, channel in job.result.channels.items():
-        growth.setdefault((len(job.clip.channels[name].codes), len(channel.codes)), []).append(name)
+    for name, channel in animation.channels.items():
+        growth.setdefault((channel["samples_before"], channel["samples_after"]), []).append(name)
     if len(growth) > 1:
         return ", ".join(f"{a} -> {b} samples of {' and '.join(names)}" for (a, b), names in growth.items())
-    clip = job.clip
-    rates = f"{clip.samples_per_second():g} -> {clip.samples_per_second(job.codes):g} a second"
-    return f"{len(clip.codes)} -> {len(job.codes)} samples, {rates}"
+    rates = f"{animation.rate_before:g} -> {animation.rate_after:g} a second"
+    return f"{animation.samples_before} -> {animation.samples_after} samples, {rates}"
 
 
 def _fallback_sentences(clip: SkelClip, fallbacks: Sequence[Fallback]) -> list[str]:
@@ -90,36 +99,39 @@ def _wide_sentences(clip: SkelClip, verbose: bool) -> list[str]:
     return [f"{clip.path}: {step}{more}; {beyond}" for step in told]
 
 
-def described(job: Job) -> dict[str, Any]:
-    """Tell what was done to an animation, as plain values."""
-    clip, degrees = job.clip, rotation_steps(job.clip)
+def describe(upsampled: UpsampledClip) -> UpsampledAnimation:
+    """Return what was done to an animation, as plain values."""
+    clip, chosen, degrees = upsampled.clip, upsampled.chosen, rotation_steps(upsampled.clip)
     largest = largest_step(clip, degrees)
-    return {
-        "prim": clip.path,
-        "skeletons": [str(prim.GetPath()) for prim in clip.source.skeletons],
-        "joints": len(clip.joints),
-        "scheme": job.effective.metric.scheme,
-        "metric": job.effective.origin if job.effective.is_used else None,
-        "metric_summary": summary(job.effective.metric) if job.effective.is_used else None,
-        "joints_without_metric": list(job.effective.missing),
-        "samples_before": len(clip.codes),
-        "samples_after": len(job.codes),
-        "rate_before": clip.samples_per_second(),
-        "rate_after": clip.samples_per_second(job.codes),
-        "first_time_code": float(clip.codes[0]),
-        "last_time_code": float(clip.codes[-1]),
-        "channels": {
+    styles = chosen.metric.provenance.get("styles", ())
+    return UpsampledAnimation(
+        prim=clip.path,
+        skeletons=tuple(str(prim.GetPath()) for prim in clip.source.skeletons),
+        joints=len(clip.joints),
+        scheme=chosen.metric.scheme,
+        metric=chosen.origin if chosen.is_used else None,
+        metric_summary=summary(chosen.metric) if chosen.is_used else None,
+        styles=tuple(styles) if chosen.is_used and isinstance(styles, list) else (),
+        learned=chosen.learned,
+        joints_without_metric=chosen.missing,
+        samples_before=len(clip.codes),
+        samples_after=len(upsampled.codes),
+        rate_before=clip.samples_per_second(),
+        rate_after=clip.samples_per_second(upsampled.codes),
+        first_time_code=float(clip.codes[0]),
+        last_time_code=float(clip.codes[-1]),
+        channels={
             name: {
                 "samples_before": len(clip.channels[name].codes),
                 "samples_after": len(channel.codes),
                 "value_blocks": int(channel.blocked.sum()),
             }
-            for name, channel in job.result.channels.items()
+            for name, channel in upsampled.result.channels.items()
         },
-        "stepped_pairs": int(clip.steps.sum()),
-        "largest_step": None if largest is None else asdict(largest),
-        "wide_steps": [asdict(step) for step in wide_steps(clip, degrees)],
-        "fallbacks": [
+        stepped_pairs=int(clip.steps.sum()),
+        largest_step=None if largest is None else asdict(largest),
+        wide_steps=tuple(asdict(step) for step in wide_steps(clip, degrees)),
+        fallbacks=tuple(
             {
                 "joint": fallback.joint,
                 "start": fallback.start_time * clip.codes_per_second,
@@ -127,6 +139,6 @@ def described(job: Job) -> dict[str, Any]:
                 "status": fallback.status.name,
                 "sentence": fallback.status.sentence,
             }
-            for fallback in job.result.fallbacks
-        ],
-    }
+            for fallback in upsampled.result.fallbacks
+        ),
+    )

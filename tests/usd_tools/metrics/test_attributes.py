@@ -121,7 +121,7 @@ def test_metric_from_a_file_matches_by_name(tmp_path, run):
     (tmp_path / "other.json").write_text(some_metric(joints=["x"]).to_json())
     arguments[3] = tmp_path / "other.json"
     code, _, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out2.usda", *arguments)
-    assert code == 1 and err.endswith("knows none of the joints; there are hips, spine, arm.\n")
+    assert code == 1 and err.endswith("has an entry for no joint of this file, which has hips, spine, arm.\n")
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,91 @@
+"""What `upsample` can be asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from geomstats_anim.names import INVARIANCES, SCHEME_NAMES
+from usd_tools.console.arguments import TimeCodes, positive_number, time_codes, whole_number
+from usd_tools.console.errors import UsageError
+from usd_tools.console.options import OutputOptions, one_of, option, several
+from usd_tools.skel.frame_rates import typed_rate
+from usd_tools.upsampling.joint_styles import Style, parse_style
+
+METRIC_WORDS = ("stored", "identity", "learn")
+"""Metrics that are no file."""
+
+
+def _metric(value: str | Path) -> str | Path:
+    return value if isinstance(value, str) and value in METRIC_WORDS else Path(value)
+
+
+def _times(value: str | TimeCodes | Sequence[float]) -> TimeCodes:
+    if isinstance(value, TimeCodes):
+        return value
+    return time_codes(value if isinstance(value, str) else ",".join(f"{float(code):.17g}" for code in value))
+
+
+def _style(value: str | Style) -> Style:
+    return value if isinstance(value, Style) else parse_style(value)
+
+
+@dataclass(frozen=True, kw_only=True)
+class UpsampleOptions(OutputOptions):
+    """Options of `upsample`, in the words of its command line; exactly one of `factor`, `fps` and `times` is needed.
+
+    Parameters
+    ----------
+    factor : int
+        Parts that every gap between samples is cut into.
+    fps : float
+        Samples per second.
+    times : str, TimeCodes or sequence of float
+        Time codes of the stage; or "source": where `downsample` removed samples.
+    retime : bool
+        With `fps`: give the output `fps` time codes per second, so that added samples are whole frames.
+    scheme : str
+        Interpolation scheme.
+        Optional, default: the one that the metric was made for, else "geodesic-spline".
+    metric : str or Path
+        "stored", "identity", "learn", or a JSON file.
+        Optional, default: the stored one where there is one, else the identity.
+    alpha, beta : float
+        Second and third principal moment, for all joints; the first is 1.
+    invariance : str
+        "left" or "right", for all joints.
+    joint : tuple of str or Style
+        Settings of the joints whose name matches, such as "arm*:alpha=4,invariance=right"; the last wins.
+    dry_run : bool
+        Do all but write.
+    verbose : bool
+        Warn of every step of more than 120 degrees, not only of the widest.
+    """
+
+    factor: int | None = option(None, whole_number)
+    fps: float | None = option(None, typed_rate)
+    times: TimeCodes | None = option(None, _times)
+    retime: bool = option(False, bool)
+    scheme: str | None = option(None, one_of(SCHEME_NAMES))
+    metric: str | Path | None = option(None, _metric)
+    alpha: float | None = option(None, positive_number)
+    beta: float | None = option(None, positive_number)
+    invariance: str | None = option(None, one_of(INVARIANCES))
+    joint: tuple[Style, ...] = option((), several(_style))
+    dry_run: bool = option(False, bool, recorded=False)
+    verbose: bool = option(False, bool, recorded=False)
+
+    def check(self) -> None:
+        """Refuse values that do not go together."""
+        given = [word for word in ("factor", "fps", "times") if getattr(self, word) is not None]
+        if len(given) != 1:
+            raise UsageError(f"name exactly one of --factor, --fps and --times, not {' and '.join(given) or 'none'}")
+        if self.retime and self.fps is None:
+            raise UsageError("--retime needs --fps")
+
+    @property
+    def styles(self) -> tuple[Style, ...]:
+        """Settings by hand: those of all joints, then those of patterns."""
+        everywhere = Style("*", self.alpha, self.beta, self.invariance)
+        return (*(() if everywhere == Style("*") else (everywhere,)), *self.joint)

@@ -1,0 +1,117 @@
+"""What `upsample` did, as plain values."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from geomstats_anim._version import __version__
+
+TOOL = "usd_tools.upsample"
+
+
+@dataclass(frozen=True)
+class UpsampledAnimation:
+    """What was done to one animation.
+
+    Parameters
+    ----------
+    prim : str
+        Path of the SkelAnimation.
+    skeletons : tuple of str
+        Paths of the Skeletons that it drives.
+    joints : int
+    scheme : str
+    metric : str or None
+        "stored", "identity", "learned" or the name of a file; None for a scheme without metric.
+    metric_summary : str or None
+    styles : tuple of str
+        Settings by hand that the metric has.
+    learned : str
+        What learning brought, a sentence; "" if nothing was learned.
+    joints_without_metric : tuple of str
+        Joints of which the metric has no entry, so that they have the identity.
+    samples_before, samples_after : int
+    rate_before, rate_after : float
+        Usual number of samples per second.
+    first_time_code, last_time_code : float
+    channels : dict
+        Of each attribute: samples_before, samples_after, value_blocks.
+    stepped_pairs : int
+    largest_step : dict or None
+        joint, start, end (time codes), degrees.
+    wide_steps : tuple of dict
+        Likewise, the steps of more than 120 degrees.
+    fallbacks : tuple of dict
+        Segments that are slerped because their geodesic was not found: joint, start, end, status, sentence.
+    """
+
+    prim: str
+    skeletons: tuple[str, ...]
+    joints: int
+    scheme: str
+    metric: str | None
+    metric_summary: str | None
+    styles: tuple[str, ...]
+    learned: str
+    joints_without_metric: tuple[str, ...]
+    samples_before: int
+    samples_after: int
+    rate_before: float
+    rate_after: float
+    first_time_code: float
+    last_time_code: float
+    channels: dict[str, dict[str, int]]
+    stepped_pairs: int
+    largest_step: dict[str, Any] | None
+    wide_steps: tuple[dict[str, Any], ...]
+    fallbacks: tuple[dict[str, Any], ...]
+
+
+@dataclass(frozen=True)
+class UpsampleResult:
+    """What `upsample` did.
+
+    Parameters
+    ----------
+    source : str
+        Name of the file, or of the stage's root layer.
+    path : Path or None
+        File that was written; None for a dry run or an open stage.
+    output : str or None
+        Its name, or that of the layer that was edited.
+    settings : dict
+        Options that were asked for, plain values.
+    time_codes_per_second : float
+        Of the output.
+    animations : tuple of UpsampledAnimation
+    warnings : tuple of str
+    advice : str
+        Sentence on a better frame rate, "" where there is none.
+    dependencies : str
+        Sentence on the other files that a flattened output needs, else "".
+    """
+
+    source: str
+    path: Path | None
+    output: str | None
+    settings: dict[str, Any]
+    time_codes_per_second: float
+    animations: tuple[UpsampledAnimation, ...]
+    warnings: tuple[str, ...]
+    advice: str = ""
+    dependencies: str = ""
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the content of `--report`."""
+        return {
+            "tool": TOOL,
+            "version": __version__,
+            "source": self.source,
+            "output": self.output,
+            "settings": self.settings,
+            "time_codes_per_second": self.time_codes_per_second,
+            "animations": [asdict(animation) for animation in self.animations],
+            "warnings": list(self.warnings),
+        }

@@ -1,0 +1,221 @@
+"""The work of `upsample`, on a file or on an open stage."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+from pxr import Usd
+
+from geomstats_anim.names import WITH_METRIC
+from usd_tools.console.arguments import SOURCE
+from usd_tools.console.errors import Messages, ToolError, UsageError
+from usd_tools.console.progress import Progress, ProgressCallback
+from usd_tools.files.atomic import write_json
+from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
+from usd_tools.files.stages import open_stage, stage_path, standing
+from usd_tools.skel import output
+from usd_tools.skel.clip import SkelClip, read_clip
+from usd_tools.skel.edit_target import EditTargetLayer
+from usd_tools.skel.find import AnimationSource, find_animations, select_animations
+from usd_tools.skel.output import Output
+from usd_tools.skel.resampling import at_rate, resample, subdivided, with_codes
+from usd_tools.skel.time_codes import clips_with_source_codes, codes_for
+from usd_tools.skel.writer import AnimationLayer
+from usd_tools.upsampling.metric import ChosenMetric, choose_metrics
+from usd_tools.upsampling.options import UpsampleOptions
+from usd_tools.upsampling.result import TOOL, UpsampledAnimation, UpsampleResult
+from usd_tools.upsampling.summary import UpsampledClip, describe, warnings_of
+
+MAX_ROTATIONS = 1 << 27
+"""More than these are taken for a slip of the finger: 2 GiB of quaternions."""
+
+_STYLES = ("alpha", "beta", "invariance", "joint")
+
+
+@openusd_errors()
+def upsample_file(
+    source: Path,
+    out: Path | None,
+    options: UpsampleOptions,
+    progress: ProgressCallback | None,
+    warn: Callable[[str], None] | None,
+) -> UpsampleResult:
+    """Upsample the animations of a file; see `usd_tools.upsample.upsample`."""
+    if out is None and not (options.in_place or options.dry_run):
+        raise UsageError("name the output with -o/--out")
+    messages = Messages(warn)
+    target = Output(source, out, options)
+    target.check()
+    if options.retime and options.in_place:
+        raise ToolError("--retime cannot change a file in place; name another file with --out.")
+    with usd_warnings(messages):
+        stage = open_stage(source)
+    target.check_layers(stage)
+    with usd_warnings(messages), reading(source):
+        clips = _upsampled(source, stage, options, messages, progress)
+        if not options.dry_run:
+            layer = target.layer(stage, TOOL, options.settings(), messages, options.fps if options.retime else None)
+            _write(layer, clips, messages)
+            target.save(layer)
+        animations = _described(clips, options, messages)
+    # A file that was changed in place is read anew below, so prims may be gone from the stage.
+    rate = _rate(stage, options)
+    advice, dependencies = "", ""
+    if not options.dry_run:
+        advice = _advice(stage, clips, rate, options.retime)
+        dependencies = f"{standing(target.path, messages)}." if options.flatten else ""
+    result = UpsampleResult(
+        source.name,
+        None if options.dry_run else target.path,
+        None if options.dry_run else target.path.name,
+        options.settings(),
+        rate,
+        animations,
+        tuple(messages.warnings),
+        advice,
+        dependencies,
+    )
+    if options.report is not None:
+        write_json(options.report, result.as_dict())
+    return result
+
+
+@openusd_errors()
+def upsample_open_stage(
+    stage: Usd.Stage,
+    options: UpsampleOptions,
+    progress: ProgressCallback | None,
+    warn: Callable[[str], None] | None,
+) -> UpsampleResult:
+    """Upsample the animations of an open stage; see `usd_tools.upsample.upsample_stage`."""
+    if options.retime:
+        raise UsageError("--retime makes a file with another rate; an open stage keeps its own")
+    messages, path = Messages(warn), stage_path(stage)
+    with usd_warnings(messages), reading(path):
+        clips = _upsampled(path, stage, options, messages, progress)
+        animations = _described(clips, options, messages)
+        layer = EditTargetLayer(stage)
+        if not options.dry_run:
+            with layer.editing():
+                _write(layer, clips, messages)
+    return UpsampleResult(
+        path.name,
+        None,
+        None if options.dry_run else layer.name,
+        options.settings(),
+        stage.GetTimeCodesPerSecond(),
+        animations,
+        tuple(messages.warnings),
+    )
+
+
+def _upsampled(
+    path: Path,
+    stage: Usd.Stage,
+    options: UpsampleOptions,
+    messages: Messages,
+    progress: ProgressCallback | None,
+) -> list[UpsampledClip]:
+    clips = _animated(path, select_animations(path, find_animations(stage), options.prim), messages)
+    if options.times is not None and options.times.text == SOURCE:
+        clips = clips_with_source_codes(clips, messages)
+    metrics = choose_metrics(path, clips, options, messages, progress)
+    _check_schemes(options, clips, metrics)
+    targets = [_target_codes(options, clip, messages) for clip in clips]
+    work = [len(codes) * max(1, len(clip.joints)) for clip, codes in zip(clips, targets, strict=True)]
+    bar = Progress(progress, sum(work), "Interpolating")
+    results = []
+    for clip, codes, chosen, amount in zip(clips, targets, metrics, work, strict=True):
+
+        def advance(share: float, amount: int = amount) -> None:
+            bar.advance(share * amount)
+
+        results.append(resample(clip, codes, chosen.metric.scheme, chosen.metric, advance))
+    return [UpsampledClip(*parts) for parts in zip(clips, targets, metrics, results, strict=True)]
+
+
+def _animated(path: Path, sources: list[AnimationSource], messages: Messages) -> list[SkelClip]:
+    """Read the animations, and keep those that move."""
+    clips = [read_clip(source) for source in sources]
+    for clip in clips:
+        for note in clip.notes:
+            messages.warn(note)
+    animated = [clip for clip in clips if clip.is_animated]
+    if not animated:
+        counts = (
+            f"{clip.path} has {max((len(channel.codes) for channel in clip.channels.values()), default=0)}"
+            for clip in clips
+        )
+        raise ToolError(
+            f"{path} has no skeletal animation with two samples or more to go between: {', '.join(counts)}."
+        )
+    return animated
+
+
+def _check_schemes(options: UpsampleOptions, clips: Sequence[SkelClip], metrics: Sequence[ChosenMetric]) -> None:
+    """Refuse options about a metric where the scheme, asked for or stored, has none."""
+    # A scheme may be stored with a metric, and then be asked for by its name.
+    words = _STYLES if options.scheme is None else ("metric", *_STYLES)
+    given = [f"--{word}" for word in words if getattr(options, word)]
+    for clip, chosen in zip(clips, metrics, strict=True):
+        if given and not chosen.is_used:
+            raise ToolError(
+                f"{clip.path}: the scheme {chosen.metric.scheme} has no metric; leave out {', '.join(given)}, or "
+                f"say --scheme {' or '.join(WITH_METRIC)}."
+            )
+
+
+def _target_codes(options: UpsampleOptions, clip: SkelClip, messages: Messages) -> np.ndarray:
+    """Return the time codes of the output's samples, on the source's clock."""
+    times = np.zeros(0) if options.times is None else codes_for(clip, options.times)
+    if options.factor is not None:
+        word, n_added = "factor", float(len(clip.codes) * (options.factor - 1))
+    elif options.fps is not None:
+        word, n_added = "fps", float((clip.codes[-1] - clip.codes[0]) / clip.codes_per_second * options.fps)
+    else:
+        word, n_added = "times", float(len(times))
+    size = (len(clip.codes) + n_added) * max(1, clip.skeleton.n_joints)
+    if size > MAX_ROTATIONS:
+        raise ToolError(f"--{word} would make {size:.3g} rotations of {clip.path}; ask for fewer.")
+    if options.factor is not None:
+        return subdivided(clip, options.factor)
+    if options.fps is not None:
+        if options.fps < 0.999 * clip.samples_per_second():
+            messages.warn(
+                f"{clip.path} has {clip.samples_per_second():g} samples a second, more than --fps {options.fps:g}; "
+                "samples are only ever added."
+            )
+        return at_rate(clip, options.fps)
+    first, last = clip.codes[0], clip.codes[-1]
+    outside = times[(times < first) | (times > last)]
+    if len(outside):
+        raise ToolError(f"--times {outside[0]:g} is outside {clip.path}, which goes from {first:g} to {last:g}.")
+    return with_codes(clip, times)
+
+
+def _write(layer: AnimationLayer, clips: Sequence[UpsampledClip], messages: Messages) -> None:
+    for each in clips:
+        metric = each.chosen.metric if each.clip.joints else None
+        layer.write_animation(each.clip.source, each.result.channels, each.clip.missing, metric, messages)
+
+
+def _described(
+    clips: Sequence[UpsampledClip], options: UpsampleOptions, messages: Messages
+) -> tuple[UpsampledAnimation, ...]:
+    for each in clips:
+        for sentence in warnings_of(each, options.verbose):
+            messages.warn(sentence)
+    return tuple(map(describe, clips))
+
+
+def _rate(stage: Usd.Stage, options: UpsampleOptions) -> float:
+    return options.fps if options.retime and options.fps is not None else stage.GetTimeCodesPerSecond()
+
+
+def _advice(stage: Usd.Stage, clips: Sequence[UpsampledClip], rate: float, retimed: bool) -> str:
+    root = stage.GetRootLayer()
+    codes = np.unique(np.concatenate([each.codes for each in clips])) * (rate / stage.GetTimeCodesPerSecond())
+    authored = root.framesPerSecond if root.HasFramesPerSecond() and not retimed else None
+    return output.better_rate(codes, rate, authored)
