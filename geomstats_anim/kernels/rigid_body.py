@@ -165,6 +165,27 @@ def step_size(size, tolerance):
 
 
 @compiled
+def leave_identity(lane, inverse, momentum, lane_inverse, lane_momentum, rotation):
+    """Put a geodesic, at its start, into a lane."""
+    for i in range(3):
+        lane_inverse[i, lane], lane_momentum[i, lane], rotation[i, lane] = inverse[i], momentum[i], 0.0
+    rotation[3, lane] = 1.0
+
+
+@compiled
+def _find_due(problem, sample, last, parameter, time, step, offset, due):
+    """Find the lanes whose next sample lies in the present step, and write where in it; returns their number."""
+    n_due = 0
+    for lane in range(LANES):
+        due[lane] = False
+        if problem[lane] >= 0 and sample[lane] < last[problem[lane]]:
+            offset[0, lane] = parameter[sample[lane]] - time[0, lane]
+            due[lane] = offset[0, lane] <= step[0, lane]
+            n_due += due[lane]
+    return n_due
+
+
+@compiled
 def playback(inverse, momentum, first, last, parameter, column, out):
     """Evaluate many geodesics at many parameters.
 
@@ -182,16 +203,9 @@ def playback(inverse, momentum, first, last, parameter, column, out):
     """
     series = np.zeros((SERIES_ROWS, LANES))
     lane_inverse, lane_momentum, rotation = np.ones((3, LANES)), np.zeros((3, LANES)), np.zeros((4, LANES))
-    time, remaining, step, offset, evaluated = (
-        np.zeros((1, LANES)),
-        np.zeros((1, LANES)),
-        np.zeros((1, LANES)),
-        np.zeros((1, LANES)),
-        np.zeros((4, LANES)),
-    )
-    problem = np.full(LANES, -1)
-    sample = np.zeros(LANES, dtype=np.int64)
-    due = np.zeros(LANES, dtype=np.bool_)
+    time, remaining, evaluated = np.zeros((1, LANES)), np.zeros((1, LANES)), np.zeros((4, LANES))
+    step, offset, due = np.zeros((1, LANES)), np.zeros((1, LANES)), np.zeros(LANES, dtype=np.bool_)
+    problem, sample = np.full(LANES, -1), np.zeros(LANES, dtype=np.int64)
     rotation[3] = 1.0
     upcoming, n_active = 0, 0
     while True:
@@ -200,11 +214,7 @@ def playback(inverse, momentum, first, last, parameter, column, out):
                 if last[upcoming] > first[upcoming]:
                     problem[lane], sample[lane] = upcoming, first[upcoming]
                     time[0, lane] = 0.0
-                    for i in range(3):
-                        lane_inverse[i, lane] = inverse[upcoming, i]
-                        lane_momentum[i, lane] = momentum[upcoming, i]
-                        rotation[i, lane] = 0.0
-                    rotation[3, lane] = 1.0
+                    leave_identity(lane, inverse[upcoming], momentum[upcoming], lane_inverse, lane_momentum, rotation)
                     n_active += 1
                 upcoming += 1
             if problem[lane] >= 0:
@@ -213,16 +223,7 @@ def playback(inverse, momentum, first, last, parameter, column, out):
             return
         size = expand(series, lane_inverse, lane_momentum, rotation)
         store(step, 0, step_size(size, splat(TOLERANCE)))
-        while True:
-            n_due = 0
-            for lane in range(LANES):
-                due[lane] = False
-                if problem[lane] >= 0 and sample[lane] < last[problem[lane]]:
-                    offset[0, lane] = parameter[sample[lane]] - time[0, lane]
-                    due[lane] = offset[0, lane] <= step[0, lane]
-                    n_due += due[lane]
-            if n_due == 0:
-                break
+        while _find_due(problem, sample, last, parameter, time, step, offset, due) > 0:
             q = evaluate(series, lane_momentum, rotation, load(offset, 0))
             for i in range(4):
                 store(evaluated, i, q[i])

@@ -23,6 +23,7 @@ from geomstats_anim.kernels.rigid_body import (
     VARIATION_ORDER,
     evaluate,
     expand,
+    leave_identity,
     step_size,
 )
 from geomstats_anim.kernels.simd import LANES, load, minimum, splat, store
@@ -143,6 +144,25 @@ def _finish(sums, variations, rotation, lane, out):
 
 
 @compiled
+def _find_due(problem, sample, last, parameter, column, cotangent, time, step, offset, due_cotangent):
+    """Take the next sample of every lane that lies in the present step, and write where in it; returns their number.
+
+    Lanes without one have a cotangent of zero.
+    """
+    n_due = 0
+    for lane in range(LANES):
+        due_cotangent[:, lane] = 0.0
+        p = problem[lane]
+        if p >= 0 and sample[lane] < last[p] and parameter[sample[lane]] <= time[0, lane] + step[0, lane]:
+            offset[0, lane] = parameter[sample[lane]] - time[0, lane]
+            for i in range(3):
+                due_cotangent[i, lane] = cotangent[sample[lane], column[p], i]
+            sample[lane] += 1
+            n_due += 1
+    return n_due
+
+
+@compiled
 def pull_back(inverse, momentum, first, last, parameter, column, cotangent, partial, out):
     """Pull the derivative of a scalar by sampled rotations back to one by the metric.
 
@@ -167,9 +187,8 @@ def pull_back(inverse, momentum, first, last, parameter, column, cotangent, part
     expansion = np.zeros((_STATE_ROWS * (VARIATION_ORDER + 1), LANES))
     lane_inverse, lane_momentum, rotation = np.ones((3, LANES)), np.zeros((3, LANES)), np.zeros((4, LANES))
     variation, sampled = np.zeros((_STATE_ROWS, LANES)), np.zeros((_STATE_ROWS, LANES))
-    variations, sums, lane_cotangent = np.zeros((_ROWS, LANES)), np.zeros((_SUM_ROWS, LANES)), np.zeros((3, LANES))
-    time, offset = np.ones((1, LANES)), np.zeros((1, LANES))
-    step = np.zeros((1, LANES))
+    variations, sums, due_cotangent = np.zeros((_ROWS, LANES)), np.zeros((_SUM_ROWS, LANES)), np.zeros((3, LANES))
+    time, step, offset = np.ones((1, LANES)), np.zeros((1, LANES)), np.zeros((1, LANES))
     problem, sample = np.full(LANES, -1), np.zeros(LANES, dtype=np.int64)
     rotation[3] = 1.0
     upcoming, n_active = 0, 0
@@ -184,41 +203,26 @@ def pull_back(inverse, momentum, first, last, parameter, column, cotangent, part
             time[0, lane] = 0.0
             for row in range(_SUM_ROWS):
                 sums[row, lane] = partial[upcoming, row] if upcoming < n else 0.0
-            for i in range(4):
-                rotation[i, lane] = 1.0 if i == 3 else 0.0
             for row in range(_STATE_ROWS):
                 variation[row, lane] = 1.0 if row < 9 and row % 4 == 0 else 0.0
-            for i in range(3):
-                lane_inverse[i, lane], lane_momentum[i, lane] = 1.0, 0.0
             if upcoming < n:
+                leave_identity(lane, inverse[upcoming], momentum[upcoming], lane_inverse, lane_momentum, rotation)
                 problem[lane], sample[lane] = upcoming, first[upcoming]
-                for i in range(3):
-                    lane_inverse[i, lane], lane_momentum[i, lane] = inverse[upcoming, i], momentum[upcoming, i]
                 upcoming += 1
                 n_active += 1
+            else:
+                leave_identity(lane, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), lane_inverse, lane_momentum, rotation)
         if n_active == 0:
             return
         size = expand(series, lane_inverse, lane_momentum, rotation)
         _expand_variation(series, lane_inverse, variation, expansion)
         store(step, 0, minimum(step_size(size, splat(TOLERANCE)), 1.0 - load(time, 0)))
-        while True:
-            n_due = 0
-            for lane in range(LANES):
-                lane_cotangent[:, lane] = 0.0
-                p = problem[lane]
-                if p >= 0 and sample[lane] < last[p] and parameter[sample[lane]] <= time[0, lane] + step[0, lane]:
-                    offset[0, lane] = parameter[sample[lane]] - time[0, lane]
-                    for i in range(3):
-                        lane_cotangent[i, lane] = cotangent[sample[lane], column[p], i]
-                    sample[lane] += 1
-                    n_due += 1
-            if n_due == 0:
-                break
+        while _find_due(problem, sample, last, parameter, column, cotangent, time, step, offset, due_cotangent) > 0:
             q = evaluate(series, lane_momentum, rotation, load(offset, 0))
             _advance(expansion, load(offset, 0), sampled)
             now = load(time, 0) + load(offset, 0)
             _body_variations(lane_inverse, lane_momentum, q, sampled, now, variations)
-            _add_sample(q, variations, lane_cotangent, sums)
+            _add_sample(q, variations, due_cotangent, sums)
         q = evaluate(series, lane_momentum, rotation, load(step, 0))
         _advance(expansion, load(step, 0), variation)
         for i in range(4):

@@ -230,6 +230,18 @@ def _newton(lane, rotation, variation, number, miss):
 
 
 @compiled
+def _aim_lane(lane, number, inverse, trial, rotation, variation):
+    """Put the next shot into its lane, at the identity; an idle lane stays there."""
+    for i in range(4):
+        rotation[i, number] = 1.0 if i == 3 else 0.0
+    for i in range(3):
+        inverse[i, number] = 1.0 / lane.metric[i] if lane.problem >= 0 else 1.0
+        trial[i, number] = lane.trial[i] if lane.problem >= 0 else 0.0
+        for d in range(3):
+            variation[3 * d + i, number] = 1.0 if d == i else 0.0
+
+
+@compiled
 def shoot(moments, vector, start, max_energy, may_follow, trusted, momentum, residual, status, shots):
     """Find the momenta of geodesics from the identity to given rotations.
 
@@ -282,16 +294,9 @@ def shoot(moments, vector, start, max_energy, may_follow, trusted, momentum, res
                 _begin(lane, upcoming, moments[upcoming], vector[upcoming], start[upcoming], max_energy[upcoming])
                 upcoming += 1
                 n_active += 1
-            time[0, number] = 0.0
-            steps[number] = 0
+            time[0, number], steps[number] = 0.0, 0
             tolerance[0, number] = lane.tolerance if lane.problem >= 0 else 1.0
-            for i in range(4):
-                rotation[i, number] = 1.0 if i == 3 else 0.0
-            for i in range(3):
-                inverse[i, number] = 1.0 / lane.metric[i] if lane.problem >= 0 else 1.0
-                trial[i, number] = lane.trial[i] if lane.problem >= 0 else 0.0
-                for d in range(3):
-                    variation[3 * d + i, number] = 1.0 if d == i else 0.0
+            _aim_lane(lane, number, inverse, trial, rotation, variation)
         if n_active == 0:
             return
         size = expand(series, inverse, trial, rotation)
