@@ -1,45 +1,144 @@
-"""Convert a BVH file of motion capture to UsdSkel: one skeleton, one animation, every frame a sample.
+"""Convert a BVH file of motion capture to UsdSkel: one character, one animation, every frame a sample.
 
 python -m usd_tools.from_bvh walk.bvh -o walk.usda --scale 0.056444 --skip-first
 """
 
 from __future__ import annotations
 
-import argparse
+import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from geomstats_anim import Skeleton
-from geomstats_anim.rotations import IDENTITY
-from usd_tools.bvh.reader import Bvh, read_bvh
+from usd_tools.bvh.options import UP_AXES, FromBvhOptions
+from usd_tools.bvh.result import FromBvhResult
 from usd_tools.console.arguments import add_format, positive_number
-from usd_tools.console.errors import Messages, ToolError, print_warning, run
+from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
-from usd_tools.console.progress import Progress, ProgressBar
+from usd_tools.console.progress import ProgressBar, ProgressCallback
 from usd_tools.console.text import counted
-from usd_tools.files.openusd_errors import openusd_errors
-from usd_tools.files.paths import check_usd_output, same_file
-from usd_tools.skel import output
 from usd_tools.skel.frame_rates import typed_rate
-from usd_tools.skel.joint_names import joint_paths, unique
-from usd_tools.skel.new_file import Character, Units, new_stage
-from usd_tools.skel.writer import made_by, save_layer
 
-TOOL = "usd_tools.from_bvh"
+if TYPE_CHECKING:
+    from pxr import Usd
+
+__all__ = ["FromBvhOptions", "FromBvhResult", "from_bvh", "from_bvh_stage", "main", "parser"]
 
 PROG = "python -m usd_tools.from_bvh"
+
+
+def from_bvh(
+    source: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    options: FromBvhOptions | None = None,
+    *,
+    progress: ProgressCallback | None = None,
+    warn: Callable[[str], None] | None = None,
+) -> FromBvhResult:
+    """Convert a BVH file to a USD file.
+
+    Parameters
+    ----------
+    source : path
+        BVH file.
+    out : path
+        USD file to write.
+    options : FromBvhOptions
+        Optional, default: centimetres, Y up, the rate of the file.
+    progress : callable
+        Called with the work done, all the work, and a text.
+        Optional, default: nobody is told.
+    warn : callable
+        Called with each warning as it comes; all are in the result.
+        Optional, default: nobody is told.
+
+    Returns
+    -------
+    result : FromBvhResult
+
+    Raises
+    ------
+    ToolError
+        If something is wrong with the file, then with the number of the line, or with the output; nothing is
+        written then.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> lines = "HIERARCHY", "ROOT Arm {", "OFFSET 0 90 0", "CHANNELS 1 Xrotation", "End Site { OFFSET 0 30 0 } }"
+    >>> motion = "MOTION", "Frames: 3", "Frame Time: 0.0333333", "0", "45", "90"
+    >>> _ = (folder / "swing.bvh").write_text(chr(10).join(lines + motion))
+    >>> result = from_bvh(folder / "swing.bvh", folder / "swing.usda", FromBvhOptions(scale=0.01))
+    >>> result.path.name, result.joints, result.frames, result.rate, result.height_metres
+    ('swing.usda', 1, 3, 30.0, 0.3)
+    """
+    from usd_tools.bvh.convert import from_bvh_file
+
+    return from_bvh_file(Path(source), Path(out), options or FromBvhOptions(), progress, warn)
+
+
+def from_bvh_stage(
+    source: str | os.PathLike[str],
+    stage: Usd.Stage,
+    options: FromBvhOptions | None = None,
+    *,
+    progress: ProgressCallback | None = None,
+    warn: Callable[[str], None] | None = None,
+) -> FromBvhResult:
+    """Add the character of a BVH file to an open stage, in the layer of its edit target.
+
+    The stage keeps its units, up axis and rate: the character is scaled and turned to fit, and its first frame is at
+    time code 0.
+
+    Parameters
+    ----------
+    source : path
+        BVH file.
+    stage : Usd.Stage
+    options : FromBvhOptions
+        Optional, default: centimetres, Y up, the rate of the file.
+    progress, warn : callable
+        See `from_bvh`.
+
+    Returns
+    -------
+    result : FromBvhResult
+
+    Raises
+    ------
+    ToolError
+        If something is wrong with the file, then with the number of the line, or the edit target cannot hold the
+        character; the layer is as it was then.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from pxr import Usd
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> lines = "HIERARCHY", "ROOT Arm {", "OFFSET 0 90 0", "CHANNELS 1 Xrotation", "End Site { OFFSET 0 30 0 } }"
+    >>> motion = "MOTION", "Frames: 3", "Frame Time: 0.0333333", "0", "45", "90"
+    >>> _ = (folder / "swing.bvh").write_text(chr(10).join(lines + motion))
+    >>> stage = Usd.Stage.CreateInMemory()
+    >>> stage.SetTimeCodesPerSecond(60)
+    >>> result = from_bvh_stage(folder / "swing.bvh", stage)
+    >>> result.prim, stage.GetPrimAtPath("/Character/Animation").GetAttribute("rotations").GetTimeSamples()
+    ('/Character', [0.0, 2.0, 4.0])
+    """
+    from usd_tools.bvh.convert import from_bvh_open_stage
+
+    return from_bvh_open_stage(Path(source), stage, options or FromBvhOptions(), progress, warn)
 
 
 def parser(prog: str = PROG) -> ArgumentParser:
     """Make the parser of the command line."""
     parse = ArgumentParser(
         prog=prog,
-        description="Convert a BVH file to UsdSkel. Its numbers stay as they are; what a unit of them is, and which "
-        "axis is up, is written beside them, for BVH does not tell.",
+        description="Convert a BVH file to UsdSkel. Its numbers stay as they are. BVH has no unit and no up axis: "
+        "--scale and --up name them, and are stored beside the numbers.",
     )
     parse.add_argument("input", metavar="IN", type=Path, help="BVH file")
     parse.add_argument("-o", "--out", metavar="OUT", type=Path, required=True, help="USD file to write")
@@ -48,73 +147,35 @@ def parser(prog: str = PROG) -> ArgumentParser:
         metavar="METRES_PER_UNIT",
         type=positive_number,
         default=0.01,
-        help="metres for one unit of IN: 0.01 for centimetres, 0.0254 for inches, 0.056444 for files of CMU; default: "
-        "0.01, as it is in USD",
+        help="metres per unit of IN: 0.01 for centimetres, 0.0254 for inches, 0.056444 for files of CMU; default: "
+        "0.01, as in USD",
     )
-    parse.add_argument("--fps", metavar="F", type=typed_rate, help="play F frames a second, whatever IN says")
-    parse.add_argument("--skip-first", action="store_true", help="leave out the first frame, often a pose at rest")
-    parse.add_argument("--up", choices=("Y", "Z"), default="Y", help="axis of IN that points up; default: Y")
+    parse.add_argument(
+        "--fps", metavar="F", type=typed_rate, help="frames per second; default: the Frame Time of IN, not needed then"
+    )
+    parse.add_argument("--skip-first", action="store_true", help="leave out the first frame, often a rest pose")
+    parse.add_argument("--up", choices=UP_AXES, default="Y", help="axis of IN that points up; default: Y")
     add_format(parse)
     return parse
 
 
 def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
     """Run the command and return its exit code."""
-    args = parser(prog).parse_args(argv)
-    return run(lambda: convert(args))
+    parse = parser(prog)
+    args = parse.parse_args(argv)
 
+    def command() -> int:
+        options = FromBvhOptions.from_args(args)
+        with ProgressBar() as bar:
+            result = from_bvh(args.input, args.out, options, progress=bar, warn=print_warning)
+        from usd_tools.skel import output
 
-@openusd_errors()
-def convert(args: argparse.Namespace) -> int:
-    """Do what the arguments say."""
-    check_usd_output(args.out, args.usdFormat)
-    if same_file(args.out, [args.input]):
-        raise ToolError(f"--out {args.out} is the input itself; choose another name.")
-    with ProgressBar() as bar:
-        progress = Progress(bar, 3, "Reading")
-        bvh = read_bvh(args.input, args.fps, Messages(print_warning).warn)
-        character = _character(bvh, args)
-        progress.advance(1, "Converting")
-        stage = new_stage(character)
-        layer = stage.GetRootLayer()
-        layer.customLayerData = made_by(TOOL, _settings(args))
-        progress.advance(1, "Writing")
-        save_layer(layer, args.out, args.usdFormat)
-    height = _height(bvh, "XYZ".index(args.up)) * args.scale
-    joints, frames = counted(len(bvh.names), "joint"), counted(len(character.rotations), "frame")
-    print(f"{args.input}: {joints}, {height:.3g} m high at rest; {frames}.")
-    print(output.written(args.out, bvh.rate))
-    return 0
+        joints, frames = counted(result.joints, "joint"), counted(result.frames, "frame")
+        print(f"{args.input}: {joints}, {result.height_metres:.3g} m high at rest; {frames}.")
+        print(output.written(args.out, result.rate))
+        return 0
 
-
-def _character(bvh: Bvh, args: argparse.Namespace) -> Character:
-    first = 1 if args.skip_first else 0
-    if len(bvh.rotations) == first:
-        raise ToolError(f"{args.input} has one frame, and --skip-first leaves it out; call it without --skip-first.")
-    skeleton = Skeleton(
-        tuple(joint_paths(bvh.names, bvh.parents.tolist())),
-        bvh.parents,
-        bvh.offsets,
-        np.tile(IDENTITY, (len(bvh.names), 1)),
-        bvh.bone_ends,
-    )
-    units = Units(args.scale, args.up, bvh.rate)
-    return Character(skeleton, unique(bvh.names), bvh.rotations[first:], bvh.translations[first:], units)
-
-
-def _height(bvh: Bvh, up: int) -> float:
-    """From the lowest to the highest point of the skeleton at rest, in the file's unit."""
-    heights = bvh.offsets[:, up].copy()
-    for joint, parent in enumerate(bvh.parents):
-        if parent >= 0:
-            heights[joint] += heights[parent]
-    return float(np.ptp(np.concatenate([heights, heights + bvh.bone_ends[:, up]])))
-
-
-def _settings(args: argparse.Namespace) -> dict[str, Any]:
-    """Arguments that say what was done, as plain values without paths of this machine."""
-    settings = {"scale": args.scale, "up": args.up, "fps": args.fps, "skip-first": args.skip_first or None}
-    return {"source": args.input.name} | {name: value for name, value in settings.items() if value is not None}
+    return run(command, parse.error)
 
 
 if __name__ == "__main__":

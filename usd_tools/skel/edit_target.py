@@ -31,10 +31,10 @@ class EditTargetLayer(AnimationLayer):
             raise ToolError(
                 f"The edit target {layer.GetDisplayName()} may not be edited; choose another edit target, or unlock it."
             )
-        mapping = target.GetMapping()
+        mapping = target.GetMapFunction()
         if mapping.isIdentity and layer in stage.GetLayerStack():
             # An edit target made from a layer alone does not know the offset that the stage sees it through.
-            mapping = stage.GetEditTargetForLocalLayer(layer).GetMapping()
+            mapping = stage.GetEditTargetForLocalLayer(layer).GetMapFunction()
         super().__init__(layer, mapping.timeOffset.GetInverse())
         self._stage, self._target = stage, target
         self._written: dict[Sdf.Path, Sdf.Path] = {}

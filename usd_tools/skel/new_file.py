@@ -9,8 +9,9 @@ import numpy as np
 from pxr import Kind, Sdf, Usd, UsdGeom, UsdSkel, Vt
 
 from geomstats_anim import Skeleton
-from usd_tools.skel.channels import CHANNELS
+from usd_tools.skel.channels import CHANNELS, Channel, write_samples
 from usd_tools.skel.skeleton import BONE_ENDS
+from usd_tools.skel.writer import AnimationLayer
 
 ROOT = Sdf.Path("/Character")
 SKELETON, ANIMATION = (ROOT.AppendChild(name) for name in ("Skeleton", "Animation"))
@@ -49,7 +50,7 @@ def new_stage(character: Character) -> Usd.Stage:
     stage.SetFramesPerSecond(units.frames_per_second)
     stage.SetStartTimeCode(0)
     stage.SetEndTimeCode(len(character.rotations) - 1)
-    stage.SetDefaultPrim(add_character(stage, character))
+    stage.SetDefaultPrim(add_character(stage, character, AnimationLayer(stage.GetRootLayer(), Sdf.LayerOffset())))
     return stage
 
 
@@ -87,6 +88,16 @@ class Character:
         points = np.concatenate(extremes)
         return np.array([points.min(axis=0), points.max(axis=0)])
 
+    def height_metres(self) -> float:
+        """Return how far it is from the lowest to the highest point of the skeleton at rest."""
+        up = "XYZ".index(self.units.up)
+        heights = self.skeleton.rest_translations[:, up].copy()
+        for joint, parent in enumerate(self.skeleton.parents):
+            if parent >= 0:
+                heights[joint] += heights[parent]
+        points = np.concatenate([heights, heights + self.skeleton.bone_ends[:, up]])
+        return float(np.ptp(points)) * self.units.metres
+
     def _joint_matrices(self, frames: slice) -> np.ndarray:
         """Return the joints' transforms to the SkelRoot, as OpenUSD computes them, shape=[F, B, 4, 4]."""
         rotations, translations = (
@@ -105,7 +116,7 @@ class Character:
         return np.array(UsdSkel.ConcatJointTransforms(topology, local)).reshape(-1, self.skeleton.n_joints, 4, 4)
 
 
-def add_character(stage: Usd.Stage, character: Character) -> Usd.Prim:
+def add_character(stage: Usd.Stage, character: Character, layer: AnimationLayer) -> Usd.Prim:
     """Write a skeleton and its motion into the edit target of a stage.
 
     Every frame is a sample, from time code 0 on. Translations are samples only where one of them changes: what is
@@ -116,6 +127,8 @@ def add_character(stage: Usd.Stage, character: Character) -> Usd.Prim:
     ----------
     stage : Usd.Stage
     character : Character
+    layer : AnimationLayer
+        That of the edit target.
 
     Returns
     -------
@@ -131,7 +144,7 @@ def add_character(stage: Usd.Stage, character: Character) -> Usd.Prim:
     _fit(root, character.units)
     root.CreateExtentAttr(_float3(character.bounds()))
     _add_skeleton(stage, path, character)
-    _add_animation(stage, path, character)
+    _add_animation(stage, path, character, layer)
     return root.GetPrim()
 
 
@@ -173,24 +186,20 @@ def _add_skeleton(stage: Usd.Stage, root: Sdf.Path, character: Character) -> Non
     binding.CreateAnimationSourceRel().SetTargets([root.AppendChild(ANIMATION.name)])
 
 
-def _add_animation(stage: Usd.Stage, root: Sdf.Path, character: Character) -> None:
-    prim = UsdSkel.Animation.Define(stage, root.AppendChild(ANIMATION.name))
+def _add_animation(stage: Usd.Stage, root: Sdf.Path, character: Character, layer: AnimationLayer) -> None:
+    path = root.AppendChild(ANIMATION.name)
+    prim = UsdSkel.Animation.Define(stage, path)
     prim.CreateJointsAttr(character.skeleton.joints)
     prim.CreateScalesAttr(CHANNELS["scales"].to_usd(np.ones((character.skeleton.n_joints, 3), dtype=np.float16)))
     translations = character.translations.astype(np.float32)
+    prim.CreateRotationsAttr()
     samples = {"rotations": character.rotations.astype(np.float32)}
     if (translations == translations[0]).all():
         prim.CreateTranslationsAttr(_float3(translations[0]))
     else:
+        prim.CreateTranslationsAttr()
         samples["translations"] = translations
-    target = stage.GetEditTarget()
-    layer, offset = target.GetLayer(), target.GetMapFunction().timeOffset.GetInverse()
-    codes_per_frame = stage.GetTimeCodesPerSecond() / character.units.frames_per_second
-    codes = [offset * (frame * codes_per_frame) for frame in range(len(character.rotations))]
+    codes = np.arange(len(translations)) * (stage.GetTimeCodesPerSecond() / character.units.frames_per_second)
     for name, values in samples.items():
-        kind = CHANNELS[name]
-        attribute = prim.GetPrim().CreateAttribute(name, kind.value_type, custom=False)
-        path = target.MapToSpecPath(attribute.GetPath())
-        with Sdf.ChangeBlock():
-            for code, value in zip(codes, values, strict=True):
-                layer.SetTimeSample(path, code, kind.to_usd(value))
+        channel = Channel(name, codes, values, np.zeros(len(codes), dtype=bool), values[0], "")
+        write_samples(layer.prim(path).attributes[name], channel, layer.offset)
