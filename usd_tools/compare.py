@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -26,8 +26,8 @@ from usd_tools.console.progress import Progress, ProgressBar
 from usd_tools.console.text import say
 from usd_tools.files.folders import check_folder, made_beside
 from usd_tools.files.openusd_errors import openusd_errors, usd_warnings
-from usd_tools.learning.files import Skipped, files_in, read_clips, take_all
-from usd_tools.learning.summary import described_skipped
+from usd_tools.learning.files import files_in, read_clips, take_all
+from usd_tools.learning.result import Skipped
 
 TOOL = "usd_tools.compare"
 CONTENTS = ("figures", "index.html", "results.csv", "results.json", "usd")
@@ -193,7 +193,7 @@ def _head(
             }
             for each in clips
         ],
-        "skipped": described_skipped(skipped),
+        "skipped": [asdict(each) for each in skipped],
         "warnings": messages.warnings,
     }
 

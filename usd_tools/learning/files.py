@@ -3,28 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
-from pxr import Sdf
+from pxr import Sdf, Usd
 
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.files.openusd_errors import reading
 from usd_tools.files.paths import EXTENSIONS, same_file
 from usd_tools.files.stages import open_stage
 from usd_tools.learning.clips import Take, aligned, difference, take_of
+from usd_tools.learning.result import Skipped
 from usd_tools.skel.clip import SkelClip, read_clip
 from usd_tools.skel.find import find_animations, select_animations
 from usd_tools.skel.time_codes import left_sparse
 from usd_tools.skel.writer import TOOL
-
-
-@dataclass(frozen=True)
-class Skipped:
-    """A file or an animation that is not learned from, and why."""
-
-    file: str
-    reason: str
 
 
 def files_in(inputs: Sequence[Path], messages: Messages) -> list[Path]:
@@ -83,8 +75,8 @@ def _is_made_by_us(path: Path) -> bool:
     return layer is not None and TOOL in layer.customLayerData
 
 
-def read_clips(path: Path, prims: Sequence[str], messages: Messages) -> list[SkelClip]:
-    """Read the animations of a file.
+def read_clips(path: Path, prims: Sequence[str], messages: Messages, stage: Usd.Stage | None = None) -> list[SkelClip]:
+    """Read the animations of a file, or of a stage that is open already.
 
     Raises
     ------
@@ -93,7 +85,10 @@ def read_clips(path: Path, prims: Sequence[str], messages: Messages) -> list[Ske
     """
     try:
         with reading(path):
-            clips = [read_clip(source) for source in select_animations(path, find_animations(open_stage(path)), prims)]
+            clips = [
+                read_clip(source)
+                for source in select_animations(path, find_animations(stage or open_stage(path)), prims)
+            ]
     except ToolError as error:
         raise ToolError(str(error) if str(path) in str(error) else f"{path}: {error}") from error
     for clip in clips:

@@ -1,103 +1,151 @@
-"""What `learn` says of its work: a table on stdout, and plain values for the report."""
+"""What `learn` says of its work: a table, a conclusion, and plain values."""
 
 from __future__ import annotations
 
-from dataclasses import asdict
+import shlex
 from typing import Any
 
-from geomstats_anim.learned_metric import Score
-from usd_tools.console.errors import Messages
 from usd_tools.console.tables import show
-from usd_tools.console.text import counted
-from usd_tools.learning.files import Skipped
-from usd_tools.learning.train import Lesson
+from usd_tools.console.text import counted, say
+from usd_tools.learning.result import LearnResult, MetricReport
+from usd_tools.learning.train import AssessedMetric
 from usd_tools.metrics.attributes import summary
 from usd_tools.metrics.explain import EXPLANATION, HEADER, joint_meanings, table_rows
 
 
-def tell(lesson: Lesson, verbose: bool, messages: Messages) -> None:
-    """Say what was learned, and what it is worth where it was not learned."""
-    takes, metric = lesson.takes, lesson.metric
-    n_frames = sum(take.n_frames for take in takes)
-    n_keys = sum(metric.provenance["keys"])
-    where = str(takes[0]) if len(takes) == 1 else f"{len(takes)} animations, {takes[0]} to {takes[-1]}"
-    n_stretches = sum(len(take.stretches) for take in takes)
-    cut = f", in {n_stretches} stretches between value blocks and steps" if n_stretches > len(takes) else ""
-    print(f"{where}: {n_keys} of {n_frames} samples kept as keys{cut}, {counted(len(metric.joints), 'joint')}")
-    print(f"  {summary(metric)}")
-    weighted = " without weights" if "weights" in metric.provenance else ""
-    is_spline = metric.scheme == "geodesic-spline"
+def print_summary(result: LearnResult, verbose: bool) -> None:
+    """Print a table for each metric, and a line on what was written."""
+    for report in result.metrics:
+        _print_metric(report, verbose)
+    if result.path is None:
+        return
+    if result.path.suffix == ".json":
+        say(
+            f"{result.path} is written; use it with: python -m usd_tools.upsample IN -o OUT --factor 4 --metric "
+            f"{shlex.quote(str(result.path))}"
+        )
+    else:
+        say(
+            f"{result.path} is written: a metric, and every sample as it was; usd_tools.upsample finds the metric "
+            "there."
+        )
+
+
+def _print_metric(report: MetricReport, verbose: bool) -> None:
+    n_frames = sum(animation["frames"] for animation in report.animations)
+    n_stretches = sum(animation["stretches"] for animation in report.animations)
+    n_keys = sum(report.provenance["keys"])
+    cut = f", in {n_stretches} stretches between value blocks and steps" if n_stretches > len(report.clips) else ""
+    joints = counted(len(report.joints), "joint")
+    say(f"{_named(report.clips)}: {n_keys} of {n_frames} samples kept as keys{cut}, {joints}")
+    say(f"  {report.summary}")
+    weighted = " without weights" if "weights" in report.provenance else ""
+    is_spline = report.scheme == "geodesic-spline"
     show(
-        f"Q_{metric.quality}{weighted}, lower is better",
-        [_row(score, is_spline) for score in lesson.scores],
+        f"Q_{report.quality}{weighted}, lower is better",
+        [_row(score, is_spline) for score in report.scores],
         ("", "frames", "learned", "slerp", *(("plain spline",) if is_spline else ()), "gain", "verdict"),
     )
-    print(conclusion(lesson))
-    if lesson.slerped:
-        slerped = counted(lesson.slerped, "segment")
-        messages.warn(f"{where}: slerp stands for {slerped} of single joints whose geodesic was not found.")
+    say(report.conclusion)
     if verbose:
-        show("What the metric means", table_rows(joint_meanings(metric)), HEADER)
+        show("What the metric means", table_rows(joint_meanings(report.metric)), HEADER)
         print(EXPLANATION)
 
 
-def _row(score: Score, is_spline: bool) -> tuple[str, ...]:
-    sample = "in-sample" if score.in_sample else "out-of-sample"
+def _named(clips: tuple[str, ...]) -> str:
+    return clips[0] if len(clips) == 1 else f"{len(clips)} animations, {clips[0]} to {clips[-1]}"
+
+
+def slerped_sentence(assessed: AssessedMetric) -> str | None:
+    """Return a warning of segments that are slerped; None where there are none."""
+    if not assessed.slerped:
+        return None
+    where, slerped = _named(tuple(map(str, assessed.takes))), counted(assessed.slerped, "segment")
+    return f"{where}: slerp stands for {slerped} of single joints whose geodesic was not found."
+
+
+def _row(score: dict[str, Any], is_spline: bool) -> tuple[str, ...]:
+    sample = "in-sample" if score["in_sample"] else "out-of-sample"
     return (
-        score.what,
+        score["what"],
         sample,
-        f"{score.learned:.5g}",
-        f"{score.slerp:.5g}",
-        *((f"{score.plain:.5g}",) if is_spline else ()),
-        f"{100.0 * score.gain:+z.1f} %",
-        score.verdict,
+        f"{score['score']:.5g}",
+        f"{score['slerp_score']:.5g}",
+        *((f"{score['plain_score']:.5g}",) if is_spline else ()),
+        f"{100.0 * score['gain']:+z.1f} %",
+        score["verdict"],
     )
 
 
-def conclusion(lesson: Lesson) -> str:
-    """Say in a sentence or two what the metric is good for."""
-    one = "this clip" if len(lesson.takes) == 1 else "these clips"
-    plain = "the plain spline" if lesson.metric.scheme == "geodesic-spline" else "slerp"
+def conclusion(assessed: AssessedMetric) -> str:
+    """Return a sentence or two on what the metric is good for."""
+    one = "this clip" if len(assessed.takes) == 1 else "these clips"
+    plain = "the plain spline" if assessed.metric.scheme == "geodesic-spline" else "slerp"
     kept = "it is kept" if plain != "slerp" else "slerp's own metric (the identity) is kept"
-    unseen = lesson.cross_validated
+    unseen = assessed.cross_validated
     if unseen is not None:
-        if lesson.is_plain:
+        if assessed.is_plain:
             return (
                 f"A tie with {plain}: cross-validation found nothing that is sure to predict unseen frames better, so "
                 f"{kept}."
             )
         tie = ", which is a tie" if unseen.ties else ""
-        loses = " It loses in the rows that say so: do not rely on it there." if lesson.loses else ""
+        loses = " It loses in the rows that say so: do not rely on it there." if assessed.loses else ""
         return f"Cross-validated: predicts blocks of frames left out {unseen.beside_rival}{tie}.{loses}"
-    if lesson.is_plain:
+    if assessed.is_plain:
         return f"A tie with {plain}: no metric rebuilds {one} better, so {kept}."
-    if lesson.loses:
-        rivals = " and ".join(sorted({score.rival for score in lesson.scores if not score.in_sample and score.loses}))
+    if assessed.loses:
+        rivals = " and ".join(sorted({score.rival for score in assessed.scores if not score.in_sample and score.loses}))
         return (
             f"This metric belongs to {one}: it was fitted to rebuild these frames, and loses to {rivals} on frames "
             "that it has not seen. For in-betweening unseen frames use --purpose predict."
         )
-    if lesson.scores[0].ties:
-        return f"A tie with {lesson.scores[0].rival}: no metric rebuilds {one} noticeably better."
+    if assessed.scores[0].ties:
+        return f"A tie with {assessed.scores[0].rival}: no metric rebuilds {one} noticeably better."
     return f"This metric was fitted to rebuild {one}; for in-betweening unseen frames use --purpose predict."
 
 
-def described(lesson: Lesson) -> dict[str, Any]:
-    """Tell what was learned, as plain values.
+def describe(assessed: AssessedMetric) -> MetricReport:
+    """Return what was learned, as plain values."""
+    metric = assessed.metric
+    return MetricReport(
+        metric=metric,
+        clips=tuple(map(str, assessed.takes)),
+        summary=summary(metric),
+        scheme=metric.scheme,
+        quality=metric.quality,
+        animations=tuple(
+            {
+                "file": take.file,
+                "sha256": take.sha256,
+                "prim": take.prim,
+                "frames": take.n_frames,
+                "stretches": len(take.stretches),
+            }
+            for take in assessed.takes
+        ),
+        scores=tuple(
+            {
+                "what": score.what,
+                "in_sample": score.in_sample,
+                "score": score.learned,
+                "slerp_score": score.slerp,
+                "plain_score": score.plain,
+                "gain": score.gain,
+                "verdict": score.verdict,
+            }
+            for score in assessed.scores
+        ),
+        conclusion=conclusion(assessed),
+        joints=_joints(assessed),
+        slerped_segments=assessed.slerped,
+        provenance=dict(metric.provenance),
+    )
 
-    Returns
-    -------
-    described : dict
-        summary; scheme; quality: loc, rot or hyb; animations: file, sha256, prim, frames, stretches (value blocks and
-        steps cut); scores: what, in_sample, score, slerp_score, plain_score (the scheme's without learning), gain
-        (share of the better of these two), verdict; conclusion;
-        joints: joint, alpha, beta, axes (rotation vector or null), invariance, tension,
-        translation_tension, and in degrees, null for a
-        joint that does not turn, error, slerp_error, gain (in-sample); slerped_segments; provenance: what is stored
-        with the metric.
-    """
-    metric = lesson.metric
-    parameters, errors = metric.parameters, {error.joint: error for error in lesson.joints}
+
+def _joints(assessed: AssessedMetric) -> tuple[dict[str, Any], ...]:
+    metric = assessed.metric
+    parameters, errors = metric.parameters, {error.joint: error for error in assessed.joints}
     joints = []
     for i, joint in enumerate(metric.joints):
         error = errors.get(joint)
@@ -115,39 +163,4 @@ def described(lesson: Lesson) -> dict[str, Any]:
                 "gain": None if error is None else round(error.gain, 4),
             }
         )
-    return {
-        "summary": summary(metric),
-        "scheme": metric.scheme,
-        "quality": metric.quality,
-        "animations": [
-            {
-                "file": take.file,
-                "sha256": take.sha256,
-                "prim": take.prim,
-                "frames": take.n_frames,
-                "stretches": len(take.stretches),
-            }
-            for take in lesson.takes
-        ],
-        "scores": [
-            {
-                "what": score.what,
-                "in_sample": score.in_sample,
-                "score": score.learned,
-                "slerp_score": score.slerp,
-                "plain_score": score.plain,
-                "gain": score.gain,
-                "verdict": score.verdict,
-            }
-            for score in lesson.scores
-        ],
-        "conclusion": conclusion(lesson),
-        "joints": joints,
-        "slerped_segments": lesson.slerped,
-        "provenance": dict(metric.provenance),
-    }
-
-
-def described_skipped(skipped: list[Skipped]) -> list[dict[str, str]]:
-    """Tell what was not learned from: file, reason."""
-    return [asdict(one) for one in skipped]
+    return tuple(joints)

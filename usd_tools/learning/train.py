@@ -17,66 +17,49 @@ from geomstats_anim.learning.tune.settings import TuneSettings
 from geomstats_anim.parameters import CurveParameters
 from usd_tools.console.errors import ToolError
 from usd_tools.learning.clips import Take
+from usd_tools.learning.options import LearnOptions
 from usd_tools.metrics.explain import BY_JOINT, errors_by_joint
-
-PAPERS_RATE = 0.3
-"""Share of samples kept as keys in most of the papers' figures."""
 
 Watch = Callable[[int, float], None]
 
 
-@dataclass(frozen=True)
-class Recipe:
-    """How to learn; the words are those of `learn_metric`.
+def keyframes_of(stretch: Animation, options: LearnOptions) -> np.ndarray:
+    """Return the frames of a stretch that are kept as keys."""
+    return uniform_keyframes(stretch.n_frames, options.rate)
 
-    Parameters
-    ----------
-    rate : float
-        Share of samples kept as uniform keys.
-    search, purpose, family, invariance, scheme, kind : str
-    weights : str or None
-        "depth" for the papers' weights.
-    seed : int
-    tune : TuneSettings or None
+
+def fit(
+    stretches: Sequence[Animation], options: LearnOptions, watch: Watch = lambda evaluations, value: None
+) -> LearnedMetric:
+    """Learn one metric.
+
+    Raises
+    ------
+    ValueError
+        If there is nothing to learn.
     """
-
-    rate: float = PAPERS_RATE
-    search: str = "gradient"
-    purpose: str = "reconstruct"
-    family: str = "diagonal"
-    invariance: str = "joint"
-    scheme: str = "geodesic"
-    kind: str = "hyb"
-    weights: str | None = None
-    seed: int = 0
-    tune: TuneSettings | None = None
-
-    def keyframes(self, stretch: Animation) -> np.ndarray:
-        """Frames of a stretch that are kept."""
-        return uniform_keyframes(stretch.n_frames, self.rate)
-
-    def fit(self, stretches: Sequence[Animation], watch: Watch = lambda evaluations, value: None) -> LearnedMetric:
-        """Learn one metric.
-
-        Raises
-        ------
-        ValueError
-            If there is nothing to learn.
-        """
-        return learn_metric(
-            stretches,
-            [self.keyframes(stretch) for stretch in stretches],
-            self.search,
-            self.purpose,
-            self.family,
-            self.invariance,
-            self.scheme,
-            self.kind,
-            self.seed,
-            weights=self.weights,
-            tune=self.tune,
-            progress=watch,
-        )
+    tune = TuneSettings(
+        trials=options.trials,
+        folder=options.resume or options.folder,
+        resume=options.resume is not None,
+        address=options.address,
+        cpus=options.cpus,
+        wandb=options.wandb,
+    )
+    return learn_metric(
+        stretches,
+        [keyframes_of(stretch, options) for stretch in stretches],
+        options.search,
+        options.purpose,
+        options.family,
+        options.invariance,
+        options.scheme,
+        options.kind,
+        options.seed,
+        weights=options.weights,
+        tune=tune,
+        progress=watch,
+    )
 
 
 @dataclass(frozen=True)
@@ -94,8 +77,8 @@ class JointError:
 
 
 @dataclass(frozen=True, eq=False)
-class Lesson:
-    """A metric, and what it is worth.
+class AssessedMetric:
+    """A metric, the clips that it was learned from, and its scores.
 
     Parameters
     ----------
@@ -138,20 +121,22 @@ class Lesson:
         return any(score.loses for score in self.scores if not score.in_sample)
 
 
-def teach(takes: Sequence[Take], recipe: Recipe, watch: Watch = lambda evaluations, value: None) -> Lesson:
+def learn_and_assess(
+    takes: Sequence[Take], options: LearnOptions, watch: Watch = lambda evaluations, value: None
+) -> AssessedMetric:
     """Learn one metric from takes of one rig, and assess it.
 
     Parameters
     ----------
     takes : sequence of Take
         The same joints in the same order.
-    recipe : Recipe
+    options : LearnOptions
     watch : callable
         Called with the number of evaluations and the best value so far.
 
     Returns
     -------
-    lesson : Lesson
+    assessed : AssessedMetric
 
     Raises
     ------
@@ -159,46 +144,46 @@ def teach(takes: Sequence[Take], recipe: Recipe, watch: Watch = lambda evaluatio
         If nothing can be learned at this rate, or a search cannot run.
     """
     stretches = [stretch for take in takes for stretch in take.stretches]
-    _check_rate(takes, stretches, recipe)
+    _check_rate(takes, stretches, options)
     try:
-        metric = recipe.fit(stretches, watch)
-        scores = _assessed(stretches, recipe, metric)
+        metric = fit(stretches, options, watch)
+        scores = _scores(stretches, options, metric)
     except (ValueError, RuntimeError, ModuleNotFoundError, ConnectionError) as error:
         raise ToolError(" ".join(str(error).split())) from error
-    joints, slerped = _by_joint(stretches, recipe, metric)
-    provenance = _provenance(takes, recipe, metric, scores, joints)
-    return Lesson(tuple(takes), replace(metric, provenance=provenance), scores, joints, slerped)
+    joints, slerped = _by_joint(stretches, options, metric)
+    provenance = _provenance(takes, options, metric, scores, joints)
+    return AssessedMetric(tuple(takes), replace(metric, provenance=provenance), scores, joints, slerped)
 
 
-def _check_rate(takes: Sequence[Take], stretches: Sequence[Animation], recipe: Recipe) -> None:
-    keys = [recipe.keyframes(stretch) for stretch in stretches]
+def _check_rate(takes: Sequence[Take], stretches: Sequence[Animation], options: LearnOptions) -> None:
+    keys = [keyframes_of(stretch, options) for stretch in stretches]
     n_keys, n_frames = sum(map(len, keys)), sum(stretch.n_frames for stretch in stretches)
     where = str(takes[0]) if len(takes) == 1 else f"{len(takes)} animations"
     if n_keys - len(keys) < 2:
         enough = np.ceil(300.0 / n_frames) / 100.0
         raise ToolError(
-            f"--rate {recipe.rate:g} keeps {n_keys} of the {n_frames} samples of {where}, which is one segment; say at "
-            f"least {enough:g}."
+            f"--rate {options.rate:g} keeps {n_keys} of the {n_frames} samples of {where}, which is one segment; say "
+            f"at least {enough:g}."
         )
     if n_keys == n_frames:
-        raise ToolError(f"--rate {recipe.rate:g} keeps all {n_frames} samples of {where}; say less, to rebuild some.")
+        raise ToolError(f"--rate {options.rate:g} keeps all {n_frames} samples of {where}; say less, to rebuild some.")
 
 
-def _assessed(stretches: Sequence[Animation], recipe: Recipe, metric: LearnedMetric) -> tuple[Score, ...]:
+def _scores(stretches: Sequence[Animation], options: LearnOptions, metric: LearnedMetric) -> tuple[Score, ...]:
     """Scores over all stretches, every frame with the same weight."""
 
     @cache
     def of_first_halves() -> LearnedMetric:
         # With TPE this would take as long again; the gradient finds the same metrics, and better ones.
-        quick = replace(recipe, search="gradient", tune=None)
+        quick = replace(options, search="gradient", trials=None, folder=None, resume=None, wandb=None)
         try:
-            return quick.fit([stretch.at_frames(slice(0, stretch.n_frames // 2 + 1)) for stretch in stretches])
+            return fit([stretch.at_frames(slice(0, stretch.n_frames // 2 + 1)) for stretch in stretches], quick)
         except ValueError:  # nothing to learn in there
             return LearnedMetric.plain(metric.joints, metric.scheme)
 
     found: dict[tuple[str, bool], list[tuple[int, Score]]] = {}
     for stretch in stretches:
-        for score in assess(stretch, recipe.rate, metric, lambda *_: of_first_halves()):
+        for score in assess(stretch, options.rate, metric, lambda *_: of_first_halves()):
             found.setdefault((score.what, score.in_sample), []).append((stretch.n_frames, score))
     means = []
     for (what, in_sample), scores in found.items():
@@ -209,13 +194,13 @@ def _assessed(stretches: Sequence[Animation], recipe: Recipe, metric: LearnedMet
 
 
 def _by_joint(
-    stretches: Sequence[Animation], recipe: Recipe, metric: LearnedMetric
+    stretches: Sequence[Animation], options: LearnOptions, metric: LearnedMetric
 ) -> tuple[tuple[JointError, ...], int]:
     """Errors of the joints that turn, and the number of segments that are slerped."""
     errors: dict[str, list[np.ndarray]] = {metric.scheme: [], "slerp": []}
     slerped = 0
     for stretch in stretches:
-        keys = stretch.at_frames(recipe.keyframes(stretch))
+        keys = stretch.at_frames(keyframes_of(stretch, options))
         for scheme in errors:
             curve = SCHEMES[scheme](keys, metric)
             slerped += len(curve.fallbacks)
@@ -227,7 +212,7 @@ def _by_joint(
 
 def _provenance(
     takes: Sequence[Take],
-    recipe: Recipe,
+    options: LearnOptions,
     metric: LearnedMetric,
     scores: Sequence[Score],
     joints: Sequence[JointError],
@@ -249,8 +234,8 @@ def _provenance(
         "source": names[0] if len(names) == 1 else names,
         "sha256": sums[0] if len(sums) == 1 else sums,
         "prims": [take.prim for take in takes],
-        "rate": recipe.rate,
-        **({"weights": recipe.weights} if recipe.weights else {}),
+        "rate": options.rate,
+        **({"weights": options.weights} if options.weights else {}),
         **provenance,
         "out_of_sample": {
             "what": [score.what for score in unseen],

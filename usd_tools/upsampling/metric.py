@@ -161,8 +161,8 @@ def learn_from_clip(
     """
     from usd_tools.console.progress import SearchProgress
     from usd_tools.learning.clips import take_of
-    from usd_tools.learning.train import Recipe as LearnOptions
-    from usd_tools.learning.train import teach as learn_and_assess
+    from usd_tools.learning.options import LearnOptions
+    from usd_tools.learning.train import learn_and_assess
 
     if scheme is not None and scheme not in WITH_METRIC:
         raise ToolError(
