@@ -55,11 +55,11 @@ def still(counts):
 
 
 def few(prim, count):
-    return f"{{}}: {prim} has {count} samples, too few to learn from; 4 are needed."
+    return f"{{}}: {prim} has {count} samples, too few to learn from; at least 4 are needed."
 
 
 def unsampled(prim):
-    return f"{{}}: {prim} has no rotations that are sampled in time, so there is nothing to learn."
+    return f"{{}}: {prim} has no animated rotations, so there is nothing to learn."
 
 
 def unbound(skeleton, animation):

@@ -186,7 +186,7 @@ def test_folder_that_may_not_be_written(folder, zygote):
     (ended,) = zygote(upsample(source, out), uid=NOBODY)
     assert (ended.code, ended.err) == (
         1,
-        f"error: --out {out}: the folder {out.parent} may not be written; choose another.\n",
+        f"error: --out {out}: the folder {out.parent} cannot be written; choose another.\n",
     )
     assert left(out.parent) == []
 
@@ -210,7 +210,7 @@ def test_files_that_may_not_be_read_or_written(folder, zygote):
     for verb in ("inspect", "learn"):
         rest = [] if verb == "inspect" else ["-o", folder / "new.usda"]
         (ended,) = zygote([verb, source, *rest], uid=NOBODY)
-        assert (ended.code, ended.err) == (1, f"error: {source} may not be read; change its permissions.\n")
+        assert (ended.code, ended.err) == (1, f"error: {source} cannot be read; change its permissions.\n")
     assert left(folder) == ["in.usda", "out.usda"]
 
 

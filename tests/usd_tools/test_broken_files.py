@@ -70,7 +70,7 @@ def test_output_that_openusd_cannot_read_again(tmp_path, refuse, monkeypatch):
 
     monkeypatch.setattr(Sdf.Layer, "Export", damaged)
     sentence = refuse("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2, "--flatten")
-    assert sentence.startswith("out.usda could not be read again: out.usda:")
+    assert sentence.startswith("out.usda could not be read back: out.usda:")
 
 
 @pytest.mark.parametrize("inputs", [200, pytest.param(10_000, marks=pytest.mark.slow)])
@@ -88,22 +88,22 @@ def test_thousands_of_broken_files(inputs):
         (
             "timeCodesPerSecond = 24",
             "timeCodesPerSecond = 0",
-            f"{ANIMATION}: there are 0 time codes a second on its stage",
+            f"{ANIMATION}: its stage has 0 time codes per second",
         ),
         (
             "timeCodesPerSecond = 24",
             "timeCodesPerSecond = -24",
-            f"{ANIMATION}: there are -24 time codes a second on its",
+            f"{ANIMATION}: its stage has -24 time codes per second",
         ),
         (
             "timeCodesPerSecond = 24",
             "timeCodesPerSecond = 1e-320",
-            f"{ANIMATION}: time code 1, at 9.99989e-321 a second, is",
+            f"{ANIMATION}: time code 1, at 9.99989e-321 per second, is",
         ),
         (
             "            3: [(",
             "            inf: [(",
-            f"{ANIMATION}: time code inf, at 24 a second, is no time after the",
+            f"{ANIMATION}: time code inf, at 24 per second, is not later than the",
         ),
         (
             "            3: [(",

@@ -253,8 +253,8 @@ def test_upsample_says_when_there_is_nothing_to_learn(tmp_path, run):
     code, _, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "o.usda", "--factor", 2, "--metric", "learn")
     assert code == 0
     assert err == (
-        f"warning: {tmp_path}/in.usda: {ANIMATION} has 3 samples, too few to learn from; 4 are needed; "
-        "the identity is used.\n"
+        f"warning: {tmp_path}/in.usda: {ANIMATION} has 3 samples, too few to learn from; at least 4 are "
+        "needed; the identity is used.\n"
     )
 
 

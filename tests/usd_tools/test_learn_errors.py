@@ -50,7 +50,7 @@ def test_no_motion(tmp_path, out, refused):
 def test_few_samples(tmp_path, out, refused, count):
     make_rig(tmp_path / "in.usda", codes=range(count))
     sentence = refused(tmp_path / "in.usda", *out)
-    assert sentence == f"in.usda: {ANIMATION} has {count} samples, too few to learn from; 4 are needed."
+    assert sentence == f"in.usda: {ANIMATION} has {count} samples, too few to learn from; at least 4 are needed."
 
 
 def test_few_samples_between_blocks(tmp_path, out, refused):
@@ -64,7 +64,7 @@ def test_few_samples_between_blocks(tmp_path, out, refused):
 def test_no_sampled_rotations(tmp_path, out, refused):
     make_rig(tmp_path / "in.usda", codes=(0,), translations=None)
     sentence = refused(tmp_path / "in.usda", *out)
-    assert sentence == f"in.usda: {ANIMATION} has no rotations that are sampled in time, so there is nothing to learn."
+    assert sentence == f"in.usda: {ANIMATION} has no animated rotations, so there is nothing to learn."
 
 
 def test_not_a_number(tmp_path, out, refused):
@@ -82,7 +82,7 @@ def test_other_rigs(tmp_path, clip, refused, run):
     make_rig(tmp_path / "dog.usda", codes=range(20), rotations=random_rotations(20, 2), joints=["tail", "tail/tip"])
     sentence = refused(clip, tmp_path / "less.usda", "-o", tmp_path / "o.json")
     assert sentence == (
-        "less.usda is of another rig than in.usda: it lacks 1 of 3 joints, such as hips/spine/arm; "
+        "less.usda has a different rig than in.usda: it lacks 1 of 3 joints, such as hips/spine/arm; "
         "leave it out, or add --skip-mismatched."
     )
     sentence = refused(clip, tmp_path / "dog.usda", "-o", tmp_path / "o.json")
@@ -95,11 +95,11 @@ def test_other_rigs(tmp_path, clip, refused, run):
 def test_corpus_of_nothing(tmp_path, refused):
     (tmp_path / "folder").mkdir()
     sentence = refused(tmp_path / "folder", "-o", tmp_path / "o.json")
-    assert sentence == "folder has no USD file to learn from, not even in folders within it."
+    assert sentence == "folder contains no USD file, nor do its subfolders."
     for name in ("a.usda", "b.usda"):
         (tmp_path / "folder" / name).write_text("hello")
     sentence = refused(tmp_path / "folder", "-o", tmp_path / "o.json")
-    assert sentence == "None of the 2 files can be learned from; the warnings say why."
+    assert sentence == "None of the 2 files has an animation to learn from; see the warnings."
 
 
 def test_several_files_make_no_layer(tmp_path, clip, refused):
@@ -126,7 +126,7 @@ def test_output(tmp_path, clip, out, refused, monkeypatch):
     )
     monkeypatch.setattr(os, "access", lambda path, mode: mode == os.R_OK)
     sentence = refused(clip, *out)
-    assert sentence == f"--out {name}: the folder {tmp_path} may not be written; choose another."
+    assert sentence == f"--out {name}: the folder {tmp_path} cannot be written; choose another."
 
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="needs a folder in which even root makes no files")

@@ -102,7 +102,10 @@ def test_downsample(tmp_path, name, run):
     out = tmp_path / f"out{source.suffix if source.suffix == '.usdc' else '.usda'}"
     code, text, err = run("downsample", source, "-o", out, *OPTIONS["downsample"])
     nowhere = TABLE[name].nowhere
-    assert (code, err) == (0, f"warning: {out} needs what is nowhere: {', '.join(nowhere)}.\n" if nowhere else "")
+    assert (code, err) == (
+        0,
+        f"warning: {out} references files that cannot be found: {', '.join(nowhere)}.\n" if nowhere else "",
+    )
     for count in TABLE[name].samples:
         assert f": {max(2, round(0.3 * count))} of {count} samples kept" in text
     stage = Usd.Stage.Open(str(source))

@@ -423,6 +423,6 @@ def test_units_that_make_no_sense(tmp_path, run, units):
     code, _, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2)
     assert (code, err) == (
         0,
-        f"warning: {ANIMATION}: {units:g} is no length for a unit of the file; one metre is taken.\n",
+        f"warning: {ANIMATION}: {units:g} metres is not a usable unit; using one metre per unit.\n",
     )
     assert len(read(tmp_path / "out.usda", "translations")[0]) == 7

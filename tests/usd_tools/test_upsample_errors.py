@@ -70,7 +70,7 @@ def test_no_joints(tmp_path, refused):
 def test_joint_twice(tmp_path, refused):
     make_rig(tmp_path / "in.usda", anim_joints=["hips", "hips"])
     sentence = refused(tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2)
-    assert sentence == f"{ANIMATION}: joint hips is in joints twice; repair the file."
+    assert sentence == f"{ANIMATION}: joint hips is listed twice in joints; repair the file."
 
 
 def test_values_of_the_wrong_number(tmp_path, refused):
@@ -130,7 +130,7 @@ def test_output_folder_that_may_not_be_written(tmp_path, clip, refused, monkeypa
     # Root may write everywhere, so the system's answer is made up.
     monkeypatch.setattr(os, "access", lambda path, mode: mode == os.R_OK)
     sentence = refused(clip, "-o", tmp_path / "out.usda", "--factor", 2)
-    assert sentence == f"--out out.usda: the folder {tmp_path} may not be written; choose another."
+    assert sentence == f"--out out.usda: the folder {tmp_path} cannot be written; choose another."
     (tmp_path / "out.usda").write_text("precious")
     sentence = refused(clip, "-o", tmp_path / "out.usda", "--factor", 2)
     assert sentence == "--out out.usda is read-only; change its permissions, or choose another name."
@@ -148,7 +148,7 @@ def test_output_name(tmp_path, clip, refused):
     sentence = refused(clip, "-o", tmp_path / "out.fbx", "--factor", 2)
     assert sentence == "--out out.fbx: the name must end in .usd, .usda, .usdc, .usdz."
     sentence = refused(clip, "-o", tmp_path / "out.usdc", "--factor", 2, "--usdFormat", "usda")
-    assert sentence == "--usdFormat usda goes with a name that ends in .usd only, but --out is out.usdc."
+    assert sentence == "--usdFormat usda needs an --out that ends in .usd, not out.usdc."
 
 
 def test_output_is_the_input(tmp_path, clip, refused):
@@ -195,7 +195,7 @@ def test_positive_numbers(tmp_path, clip, refused, option, number):
 @pytest.mark.parametrize("times", ["nan", "1,inf", "one", "", "no_such_file.txt"])
 def test_times(tmp_path, clip, refused, times):
     sentence = refused(clip, "-o", tmp_path / "out.usda", f"--times={times}", exit_code=2)
-    assert sentence == f"--times: must be finite numbers with commas between them, or a file of such, not '{times}'."
+    assert sentence == f"--times: must be comma-separated numbers or a file of numbers, not '{times}'."
 
 
 def test_times_outside(tmp_path, clip, refused):

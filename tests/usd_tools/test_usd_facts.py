@@ -84,7 +84,7 @@ def test_animation_that_has_no_joint_of_its_skeleton(tmp_path, run):
     assert (code, err) == (
         0,
         f"warning: {ANIMATION} has no joint of {SKELETON}, which it drives, so nothing moves in viewers; "
-        f"tail is none of {', '.join(JOINTS)}.\n",
+        f"tail is not one of {', '.join(JOINTS)}.\n",
     )
     assert len(read(tmp_path / "out.usda")[0]) == 7
 

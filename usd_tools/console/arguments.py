@@ -53,8 +53,15 @@ def _whole_number(text: str, least: int) -> int:
 
 def add_workers(parse: argparse._ActionsContainer) -> None:
     """Add `--address` and `--cpus` to a parser, or to a group of one."""
-    parse.add_argument("--address", metavar="HOST:PORT", help="of a Ray cluster; default: RAY_ADDRESS, else none")
-    parse.add_argument("--cpus", metavar="N", type=whole_number, help="workers; more than one starts Ray; default: 1")
+    parse.add_argument(
+        "--address", metavar="HOST:PORT", help="Ray cluster to use; default: the variable RAY_ADDRESS, else none"
+    )
+    parse.add_argument(
+        "--cpus",
+        metavar="N",
+        type=whole_number,
+        help="number of number of workers; more than one starts Ray; default: 1",
+    )
 
 
 SOURCE = "source"
@@ -89,7 +96,7 @@ def time_codes(text: str) -> TimeCodes:
         return TimeCodes(_numbers(Path(text).read_text(encoding="utf-8")), Path(text).name)
     except (OSError, ValueError):
         raise argparse.ArgumentTypeError(
-            f"must be finite numbers with commas between them, or a file of such, not {text!r}"
+            f"must be comma-separated numbers or a file of numbers, not {text!r}"
         ) from None
 
 
@@ -107,7 +114,7 @@ def add_prim(parse: argparse._ActionsContainer) -> None:
         metavar="PATH",
         action="append",
         default=[],
-        help="only this SkelAnimation or Skeleton, or those below this prim; may be repeated; default: all",
+        help="only this SkelAnimation or Skeleton, or those below this prim; repeatable; default: all",
     )
 
 
@@ -117,7 +124,7 @@ def add_output(parse: argparse._ActionsContainer) -> None:
         "-f",
         "--flatten",
         action="store_true",
-        help="write one file that does not need the source, but for textures, which stay where they are",
+        help="write one file that does not need the source; textures stay where they are",
     )
     add_format(parse)
     parse.add_argument("--in-place", action="store_true", help="change IN itself")
@@ -125,4 +132,6 @@ def add_output(parse: argparse._ActionsContainer) -> None:
 
 def add_format(parse: argparse._ActionsContainer) -> None:
     """Add the option for the format of a name that does not tell it."""
-    parse.add_argument("--usdFormat", choices=("usda", "usdc"), help="for an OUT that ends in .usd; default: usdc")
+    parse.add_argument(
+        "--usdFormat", choices=("usda", "usdc"), help="format of an OUT that ends in .usd; default: usdc"
+    )

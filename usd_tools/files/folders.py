@@ -41,7 +41,7 @@ def check_folder(folder: Path, tool: str, contents: Collection[str], sources: It
     if not parent.is_dir():
         raise ToolError(f"--out {folder}: there is no folder {parent}; make it first.")
     if not os.access(parent, os.W_OK | os.X_OK):
-        raise ToolError(f"--out {folder}: the folder {parent} may not be written; choose another.")
+        raise ToolError(f"--out {folder}: the folder {parent} cannot be written; choose another.")
     there = os.path.realpath(folder)
     for source in sources:
         if os.path.commonpath([there, os.path.realpath(source)]) == there:

@@ -24,7 +24,7 @@ _PACKED = re.compile(r"Failed to resolve reference @\d+/")
 
 def commentary(error: Tf.ErrorException) -> str:
     """Tell in one line what OpenUSD says in several: its first error, without places in its source code."""
-    return _one_line(error.args[0]) if error.args else "OpenUSD gives no reason"
+    return _one_line(error.args[0]) if error.args else "OpenUSD gave no reason"
 
 
 def _one_line(diagnostic: Any) -> str:

@@ -33,20 +33,20 @@ def pack(layer: Sdf.Layer, root: Path, out: Path) -> None:
     lost = lost_by_packing(root)
     if lost is not None:
         raise ToolError(
-            f"{out.name} cannot be packed: OpenUSD would forget the offset in time of the sublayer {lost}; add "
-            "--flatten, or name a file that is no package."
+            f"{out.name} cannot be packed: OpenUSD drops the time offset of the sublayer {lost}; add --flatten, or "
+            "choose a name that does not end in .usdz."
         )
     if not UsdUtils.CreateNewUsdzPackage(str(root), str(out)):
         missing = missing_files(root)
         if missing:
             raise ToolError(
-                f"{out.name} cannot be packed without {', '.join(missing)}: put what is missing in its place."
+                f"{out.name} cannot be packed, since it references files that cannot be found: {', '.join(missing)}."
             )
-        raise ToolError(f"{out.name} cannot be packed; does every file that the source needs exist?")
+        raise ToolError(f"{out.name} cannot be packed; check that every file that the source needs exists.")
     try:
         _forget_times(out)
     except zipfile.BadZipFile as error:  # on a full disk OpenUSD says nothing
-        raise ToolError(f"{out.name} cannot be written; is there room on the disk?") from error
+        raise ToolError(f"{out.name} cannot be written; check that the disk has space.") from error
 
 
 def unpack(package: Path, folder: Path) -> Path:

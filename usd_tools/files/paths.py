@@ -30,7 +30,7 @@ def check_input(path: Path, what: str) -> None:
     if not path.is_file():
         raise ToolError(f"{path} is not a file; name {what}.")
     if not os.access(path, os.R_OK):
-        raise ToolError(f"{path} may not be read; change its permissions.")
+        raise ToolError(f"{path} cannot be read; change its permissions.")
 
 
 def check_output(path: Path, argument: str) -> None:
@@ -56,7 +56,7 @@ def check_output(path: Path, argument: str) -> None:
     if path.exists() and not os.access(path, os.W_OK):
         raise ToolError(f"{argument} {path} is read-only; change its permissions, or choose another name.")
     if not os.access(path.parent, os.W_OK | os.X_OK):
-        raise ToolError(f"{argument} {path}: the folder {path.parent} may not be written; choose another.")
+        raise ToolError(f"{argument} {path}: the folder {path.parent} cannot be written; choose another.")
 
 
 def check_usd_output(path: Path, usd_format: str | None) -> None:
@@ -70,7 +70,7 @@ def check_usd_output(path: Path, usd_format: str | None) -> None:
     if path.suffix not in EXTENSIONS:
         raise ToolError(f"--out {path}: the name must end in {', '.join(EXTENSIONS)}.")
     if usd_format is not None and path.suffix != ".usd":
-        raise ToolError(f"--usdFormat {usd_format} goes with a name that ends in .usd only, but --out is {path}.")
+        raise ToolError(f"--usdFormat {usd_format} needs an --out that ends in .usd, not {path}.")
     check_output(path, "--out")
 
 

@@ -58,12 +58,12 @@ def export_layer(layer: Sdf.Layer, path: Path, usd_format: str | None = None, ch
     """
     arguments = {"format": usd_format or "usdc"} if path.suffix == ".usd" else {}
     if not layer.Export(str(path), args=arguments):
-        raise ToolError(f"{path.name} cannot be written; is there room on the disk?")
+        raise ToolError(f"{path.name} cannot be written; check that the disk has space.")
     if check:
         try:
             Sdf.Layer.OpenAsAnonymous(str(path))
         except Tf.ErrorException as error:
-            raise ToolError(f"{path.name} could not be read again: {commentary(error).rstrip('.')}.") from error
+            raise ToolError(f"{path.name} could not be read back: {commentary(error).rstrip('.')}.") from error
 
 
 def stage_path(stage: Usd.Stage) -> Path:
@@ -89,7 +89,7 @@ def standing(path: Path, messages: Messages) -> str:
     """Tell in a sentence without its dot which other files a USD file needs; warn of those that are nowhere."""
     layers, assets, missing = _dependencies(path)
     if missing:
-        messages.warn(f"{path} needs what is nowhere: {', '.join(_innermost(missing))}.")
+        messages.warn(f"{path} references files that cannot be found: {', '.join(_innermost(missing))}.")
     names = [layer.realPath for layer in layers] + assets + missing
     files = {Path(Ar.SplitPackageRelativePathOuter(name)[0]).resolve() for name in names}  # of packages, the packages
     others = sorted({file.name for file in files if file != path.resolve()})

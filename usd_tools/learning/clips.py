@@ -87,14 +87,14 @@ def take_of(path: Path, clip: SkelClip, alone: bool = True) -> Take:
     """
     channel = clip.channels.get("rotations")
     if channel is None or not channel.is_animated:
-        raise ToolError(f"{path}: {clip.path} has no rotations that are sampled in time, so there is nothing to learn.")
+        raise ToolError(f"{path}: {clip.path} has no animated rotations, so there is nothing to learn.")
     stretches = _stretches(clip)
     longest = max(stretch.n_frames for stretch in stretches)
     if longest < MIN_SAMPLES:
         between = " between value blocks and steps" if len(stretches) > 1 else ""
         raise ToolError(
-            f"{path}: {clip.path} has {counted(longest, 'sample')}{between}, too few to learn from; {MIN_SAMPLES} are "
-            "needed."
+            f"{path}: {clip.path} has {counted(longest, 'sample')}{between}, too few to learn from; at least "
+            f"{MIN_SAMPLES} are needed."
         )
     moving = tuple(stretch for stretch in stretches if stretch.n_frames >= MIN_SAMPLES and turns(stretch))
     if not moving:
@@ -129,7 +129,7 @@ def difference(take: Take, first: Take) -> str | None:
         words.append(f"lacks {len(wanted - own)} of {len(wanted)} joints, such as {min(wanted - own)}")
     if own - wanted:
         words.append(f"has {counted(len(own - wanted), 'other')}, such as {min(own - wanted)}")
-    return f"{take} is of another rig than {first}: it {', and '.join(words)}"
+    return f"{take} has a different rig than {first}: it {', and '.join(words)}"
 
 
 def aligned(take: Take, joints: Sequence[str]) -> Take:

@@ -45,10 +45,10 @@ def files_in(inputs: Sequence[Path], messages: Messages) -> list[Path]:
     for path in inputs:
         found = _files_below(path, messages) if path.is_dir() else [path]
         if not found:
-            raise ToolError(f"{path} has no USD file to learn from, not even in folders within it.")
+            raise ToolError(f"{path} contains no USD file, nor do its subfolders.")
         for file in found:
             if file in files or same_file(file, files):
-                messages.warn(f"{file} is named twice; it counts once.")
+                messages.warn(f"{file} is named twice; it is used once.")
             else:
                 files.append(file)
     return files
@@ -61,7 +61,9 @@ def _files_below(folder: Path, messages: Messages) -> list[Path]:
         if is_hidden or not path.is_file() or path.suffix.lower() not in EXTENSIONS:
             continue
         if _is_made_by_us(path):
-            messages.warn(f"{path} was made by this package from another file, so it is left out; name it to use it.")
+            messages.warn(
+                f"{path} was written by this package from another file, so it is skipped; name it to include it."
+            )
         else:
             files.append(path)
     return files
@@ -176,5 +178,5 @@ def gather(
                 raise ToolError(f"{reason}; leave it out, or add --skip-mismatched.")
         advance(1.0)
     if not takes:
-        raise ToolError(f"None of the {len(files)} files can be learned from; the warnings say why.")
+        raise ToolError(f"None of the {len(files)} files has an animation to learn from; see the warnings.")
     return takes, skipped

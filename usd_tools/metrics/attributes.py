@@ -159,7 +159,7 @@ def read_metric(prim: Usd.Prim) -> LearnedMetric | None:
             values["translationTension"] and np.array(values["translationTension"]),
         )
     except ValueError as error:
-        raise ToolError(f"{prim.GetPath()}: {NAMESPACE} makes no metric: {error}") from error
+        raise ToolError(f"{prim.GetPath()}: the stored metric is invalid: {error}") from error
 
 
 def write_source_codes(spec: Sdf.PrimSpec, codes: np.ndarray) -> None:
@@ -227,5 +227,5 @@ def _from_usd(entries: Mapping[str, Any]) -> dict[str, Any]:
         elif isinstance(value, Vt.StringArray | Vt.Int64Array | Vt.DoubleArray):
             converted[key] = list(value)
         elif key in entries:
-            raise ValueError(f"{key} of its customData is of a type that no metric has; remove it.")
+            raise ValueError(f"{key} of its customData has a type that metrics do not use; remove it.")
     return converted

@@ -30,8 +30,8 @@ HEADER = ("joint", "stiff about", "free about", "ratio", "x, y, z", "frame", "ga
 FRAMES = {"left": "own (left)", "right": "parent (right)"}
 
 EXPLANATION = (
-    "In-betweens turn as little as they can about a stiff axis, and rather about a free one; ratio 1 is slerp. In a "
-    "joint's own frame the axes move with it, in its parent's they stay. The gain is in degrees, in-sample."
+    "In-betweens avoid turning about the stiff axis and prefer the free one; ratio 1 is slerp. Axes in a joint's own "
+    "frame turn with it, axes in its parent's do not. Gains are in degrees, in-sample."
 )
 
 

@@ -154,7 +154,7 @@ def read_channel(prim: Usd.Prim, name: str, size: int) -> Channel | None:
         codes, raw, source = _samples(attribute)
     except TypeError as error:  # of a damaged file OpenUSD may give what Python has no type for
         raise ToolError(
-            f"{prim.GetPath()}: {name} has a value that is none of an attribute; repair the file."
+            f"{prim.GetPath()}: {name} has a value of a type that attributes do not have; repair the file."
         ) from error
     values: np.ndarray = np.zeros((len(codes), size, kind.width), dtype=kind.dtype)
     blocked = np.zeros(len(codes), dtype=bool)
@@ -193,7 +193,7 @@ def _samples(attribute: Usd.Attribute) -> tuple[list[float], list[Any], str]:
             pairs = [(offset * code, spec.layer.QueryTimeSample(spec.path, code)) for code in own]
             pairs.sort(key=lambda pair: pair[0])
             return [code for code, _ in pairs], [value for _, value in pairs], spec.layer.GetDisplayName()
-    raise ToolError(f"{attribute.GetPath()}: USD lists samples, but no layer has them; flatten the file first.")
+    raise ToolError(f"{attribute.GetPath()}: OpenUSD lists samples that no layer holds; flatten the file first.")
 
 
 def _checked(prim: Usd.Prim, name: str, size: int, value: Any, code: float | None) -> np.ndarray:

@@ -185,7 +185,7 @@ def read_clip(source: AnimationSource) -> SkelClip:
     joints = read_names(source.prim, "joints")
     twice = repeated_name(joints)
     if twice is not None:
-        raise ToolError(f"{source.path}: joint {twice} is in joints twice; repair the file.")
+        raise ToolError(f"{source.path}: joint {twice} is listed twice in joints; repair the file.")
     channels, notes = _read_channels(source, joints)
     rate = source.stage.GetTimeCodesPerSecond()
     for channel in channels.values():
@@ -229,8 +229,8 @@ def _check_times(path: str, codes: np.ndarray, rate: float) -> None:
         bad = ~np.isfinite(seconds) | ~(np.diff(seconds, prepend=-np.inf) > 0.0)
     if bad.any():
         raise ToolError(
-            f"{path}: time code {codes[bad][0]:g}, at {rate:g} per second, is no time after the sample before; repair "
-            "the file."
+            f"{path}: time code {codes[bad][0]:g}, at {rate:g} per second, is not later than the sample before; "
+            "repair the file."
         )
 
 
@@ -266,7 +266,7 @@ def _binding_notes(clip: SkelClip) -> list[str]:
         return []
     return [
         f"{clip.path} has no joint of {skeletons[0].GetPath()}, which it drives, so nothing moves in viewers; "
-        f"{joints[0]} is none of {', '.join(own[:3])}{'' if len(own) <= 3 else ' and others'}."
+        f"{joints[0]} is not one of {', '.join(own[:3])}{'' if len(own) <= 3 else ' and others'}."
     ]
 
 
@@ -275,11 +275,11 @@ def _composition_notes(clip: SkelClip) -> list[str]:
     notes = []
     if clip.is_animated:
         notes += [
-            f"{clip.path} is of the variant {variant}; what is written over it hides its other variants."
+            f"{clip.path} is of the variant {variant}; the output overrides its other variants."
             for variant in chosen_variants(clip.source.prim)
         ]
     return notes + [
-        f"{clip.path}: {name} come from value clips; samples in the output hide them."
+        f"{clip.path}: {name} come from value clips; the samples in the output override them."
         for name, channel in clip.channels.items()
         if channel.source == VALUE_CLIPS
     ]

@@ -151,7 +151,7 @@ class Output:
         fixed = lost_by_flattening(stage) if self.options.flatten else []
         if fixed:
             more = f" and {len(fixed) - _A_FEW} more" if len(fixed) > _A_FEW else ""
-            messages.warn(f"flattening fixes variant sets: {', '.join(fixed[:_A_FEW])}{more}.")
+            messages.warn(f"flattening keeps only the selected variants: {', '.join(fixed[:_A_FEW])}{more}.")
         base = stage.GetRootLayer() if (self.options.in_place or self.copy) and not self.options.flatten else None
         return OverrideLayer(stage, tool, settings, codes_per_second, base)
 

@@ -79,12 +79,12 @@ def read_skeleton(
         if not alike:
             largest = source.skeletons[0].GetPath()
             notes.append(
-                f"{source.path} drives skeletons of different sizes; lengths are those of the largest, {largest}."
+                f"{source.path} drives skeletons of different sizes; lengths are measured on the largest, {largest}."
             )
     units = UsdGeom.GetStageMetersPerUnit(source.stage)
     scale = (_world_scale(source.skeletons[0], code) if source.skeletons else 1.0) * units
     if not (np.isfinite(scale) and scale > 0.0):
-        notes.append(f"{source.path}: {scale:g} is no length for a unit of the file; one metre is taken.")
+        notes.append(f"{source.path}: {scale:g} metres is not a usable unit; using one metre per unit.")
         scale = 1.0
     try:
         skeleton, columns, has_rest = _skeleton_in_metres(source, joints, channels, scale)

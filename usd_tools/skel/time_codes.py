@@ -25,14 +25,14 @@ def codes_for(clip: SkelClip, wanted: TimeCodes) -> np.ndarray:
     stored = _source_codes(clip)
     if stored is None:
         raise ToolError(
-            f"--times {SOURCE}: {clip.path} does not say where its source had samples; usd_tools.downsample writes "
-            "that, or give the time codes."
+            f"--times {SOURCE}: {clip.path} does not store the time codes of its source; list time codes, or run "
+            "usd_tools.downsample, which stores them."
         )
     codes, n_found = stored
     if n_found <= len(clip.codes) / 2.0:
         raise ToolError(
             f"--times {SOURCE}: {n_found} of the {len(clip.codes)} samples of {clip.path} are where "
-            "usd_tools.downsample left them; give the time codes."
+            "usd_tools.downsample left them; list time codes instead."
         )
     return codes
 
@@ -49,7 +49,7 @@ def clips_with_source_codes(clips: Sequence[SkelClip], messages: Messages) -> li
     found = [clip for clip in clips if read_source_codes(clip.source.prim) is not None]
     for clip in clips:
         if found and clip not in found:
-            messages.warn(f"{clip.path} does not say where its source had samples, so it is left as it is.")
+            messages.warn(f"{clip.path} does not store the time codes of its source; it is left unchanged.")
     return found or list(clips)
 
 

@@ -69,8 +69,8 @@ def test_samples_that_were_moved(sparse, run, refuse):
     layer.Save()
     sentence = refuse("upsample", sparse, "-o", sparse.with_name("out.usda"), "--times", "source")
     assert sentence == (
-        f"--times source: 2 of the {len(codes)} samples of {ANIMATION} are where usd_tools.downsample left them; give "
-        "the time codes."
+        f"--times source: 2 of the {len(codes)} samples of {ANIMATION} are where usd_tools.downsample left them; "
+        "list time codes instead."
     )
 
 
@@ -95,7 +95,7 @@ def test_animation_beside_a_sparse_one(tmp_path, run):
     assert run("downsample", tmp_path / "in.usda", "-o", tmp_path / "sparse.usda", *SLERP)[0] == 0
     codes, out, err = restored(run, tmp_path / "sparse.usda")
     assert codes == list(range(30)) and "/Rig/Face" not in out
-    assert err == "warning: /Rig/Face does not say where its source had samples, so it is left as it is.\n"
+    assert err == "warning: /Rig/Face does not store the time codes of its source; it is left unchanged.\n"
     before, after = (read(tmp_path / name, "blendShapeWeights", "/Rig/Face") for name in ("in.usda", "back.usda"))
     assert after[0] == [0, 9, 29] and bits(after[1]) == bits(before[1])
 
@@ -127,8 +127,8 @@ def test_tolerance_holds_in_the_largest_skeleton(tmp_path, run, scale):
         UsdGeom.Xformable(giant).AddScaleOp().Set(Gf.Vec3f(scale))
     stage.Save()
     code, _, err = run("downsample", tmp_path / "in.usda", "-o", tmp_path / "sparse.usda", "--tolerance", "1")
-    note = f"warning: {ANIMATION} drives skeletons of different sizes; lengths are those of the largest, /Rig/Giant.\n"
-    assert code == 0 and err == note
+    sizes = "drives skeletons of different sizes; lengths are measured on the largest, /Rig/Giant."
+    assert code == 0 and err == f"warning: {ANIMATION} {sizes}\n"
     restored(run, tmp_path / "sparse.usda")
     before, after = (_end_of_arm(tmp_path / name, 40.0 if scale == 1.0 else 10.0) for name in ("in.usda", "back.usda"))
     distances = np.linalg.norm(after - before, axis=-1)

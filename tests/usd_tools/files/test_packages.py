@@ -71,7 +71,7 @@ def test_missing_textures_are_named(tmp_path, run, monkeypatch):
     monkeypatch.chdir(tmp_path)
     code, _, err = run("upsample", source, "-o", "out.usdz", "--factor", 2)
     assert code == 1
-    assert err.endswith("error: out.usdz cannot be packed without skin.png: put what is missing in its place.\n")
+    assert err.endswith("error: out.usdz cannot be packed, since it references files that cannot be found: skin.png.\n")
     assert "/out.usdz'" in err and ".out.usdz." not in err  # no temporary folder
     assert not (tmp_path / "out.usdz").exists()
 

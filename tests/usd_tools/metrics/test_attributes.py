@@ -128,11 +128,11 @@ def test_metric_from_a_file_matches_by_name(tmp_path, run):
     ("attribute", "value", "words"),
     [
         ("alpha", [1.0], "geodesicMetric:alpha has 1 values for 3 joints."),
-        ("alpha", [1.0, -1.0, 1.0], "makes no metric: alpha of joint 1 is -1.0"),
+        ("alpha", [1.0, -1.0, 1.0], "the stored metric is invalid: alpha of joint 1 is -1.0"),
         ("version", 7, "geodesicMetric:version is 7, but this program reads 1; update it."),
-        ("invariance", ["left", "up", "left"], "makes no metric: invariance of joint 1 is 'up'"),
+        ("invariance", ["left", "up", "left"], "the stored metric is invalid: invariance of joint 1 is 'up'"),
         ("beta", None, "geodesicMetric:beta is missing; write the whole metric, or remove it."),
-        ("joints", ["a", "a", "b"], "makes no metric: Joint names must be unique"),
+        ("joints", ["a", "a", "b"], "the stored metric is invalid: Joint names must be unique"),
     ],
 )
 def test_malformed(tmp_path, attribute, value, words):
@@ -169,7 +169,7 @@ def test_provenance_that_somebody_has_edited(tmp_path, run, entries):
     assert run("upsample", tmp_path / "in.usda", *out)[0] == 0
     assert stored_metric(tmp_path / "out.usda").provenance["styles"] == ["*:alpha=3"]
     spec.customData = {"geodesicMetric": {"where": Sdf.AssetPath("a.usda")}}
-    with pytest.raises(ToolError, match="makes no metric: where of its customData is of a type that no metric has"):
+    with pytest.raises(ToolError, match="invalid: where of its customData has a type that metrics do not use"):
         read_metric(stage.GetPrimAtPath(ANIMATION))
 
 

@@ -21,11 +21,13 @@ def call(run, verb, source, out):
     flat = ["--flatten"] if out.name.startswith("flat") else []
     code, _, err = run(verb, source, "-o", out, *VERBS[verb], *flat)
     variant = "/Shot/Hero/Anim is of the variant {take=two} of /Shot/Hero"
-    hidden = f"warning: {variant}; what is written over it hides its other variants.\n"
-    fixed = (
-        "warning: flattening fixes variant sets: take of /Shot/Hero at two.\n" if flat or verb == "downsample" else ""
+    hidden = f"warning: {variant}; the output overrides its other variants.\n"
+    kept = (
+        "warning: flattening keeps only the selected variants: take of /Shot/Hero at two.\n"
+        if flat or verb == "downsample"
+        else ""
     )
-    assert (code, err) == (0, hidden + fixed)
+    assert (code, err) == (0, hidden + kept)
 
 
 @pytest.mark.parametrize("name", FORMATS)
@@ -129,7 +131,7 @@ def test_value_clips_that_openusd_stitches(tmp_path, run):
         code, _, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / name, "--factor", 2, *flat)
         assert (code, err) == (
             0,
-            f"warning: {ANIMATION}: rotations come from value clips; samples in the output hide them.\n",
+            f"warning: {ANIMATION}: rotations come from value clips; the samples in the output override them.\n",
         )
         new_codes, new_values = read(tmp_path / name)
         assert len(new_codes) > len(codes)
@@ -162,8 +164,8 @@ def test_offsets_of_sublayers_are_kept_or_refused(tmp_path, run, verb, name):
     if name == "out.usdz" and verb != "downsample":
         assert (code, err) == (
             1,
-            "error: out.usdz cannot be packed: OpenUSD would forget the offset in time of the sublayer ./layout.usda "
-            "in shot.usda; add --flatten, or name a file that is no package.\n",
+            "error: out.usdz cannot be packed: OpenUSD drops the time offset of the sublayer ./layout.usda "
+            "in shot.usda; add --flatten, or choose a name that does not end in .usdz.\n",
         )
         return
     assert (code, err) == (0, "")
@@ -202,7 +204,7 @@ def test_flattening_warns_of_textures_that_are_nowhere(tmp_path, capfd):
     (tmp_path / "show" / "assets" / "skin.png").unlink()
     assert upsample.main([str(source), "-o", str(out), "--factor", "2", "-f"]) == 0
     lines = capfd.readouterr().err.splitlines()  # with what OpenUSD itself would print
-    assert lines[2:] == [f"warning: {out} needs what is nowhere: skin.png."]
+    assert lines[2:] == [f"warning: {out} references files that cannot be found: skin.png."]
     assert all(line.startswith("warning: ") for line in lines)
 
 
@@ -216,4 +218,5 @@ def test_flattening_names_a_few_variant_sets(tmp_path, run):
     stage.Save()
     _, _, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2, "-f")
     others = ", ".join(f"look of /Rig/Prop{i} at red" for i in range(1, 5))
-    assert err == f"warning: flattening fixes variant sets: look of /Rig/Prop0 at none, {others} and 2 more.\n"
+    kept = f"look of /Rig/Prop0 at none, {others} and 2 more"
+    assert err == f"warning: flattening keeps only the selected variants: {kept}.\n"

@@ -258,7 +258,7 @@ def test_one_animation_drives_two_skeletons(tmp_path, run):
     UsdGeom.Xformable(stage.GetPrimAtPath("/Rig/Twin")).AddScaleOp().Set(Gf.Vec3f(2.0))
     stage.Save()
     err = upsample(run, tmp_path / "in.usda", tmp_path / "out2.usda")
-    note = f"{ANIMATION} drives skeletons of different sizes; lengths are those of the largest, /Rig/Twin."
+    note = f"{ANIMATION} drives skeletons of different sizes; lengths are measured on the largest, /Rig/Twin."
     assert err == f"warning: {note}\n"
 
 
@@ -291,7 +291,8 @@ def test_value_clips(tmp_path, run):
     stage.Save()
     for name in ("out.usda", "flat.usda"):
         err = upsample(run, tmp_path / "in.usda", tmp_path / name)
-        assert err == f"warning: {ANIMATION}: rotations come from value clips; samples in the output hide them.\n"
+        clips = "rotations come from value clips; the samples in the output override them."
+        assert err == f"warning: {ANIMATION}: {clips}\n"
         codes, values = read(tmp_path / name)
         assert bits([values[codes.index(k)] for k in range(8)]) == bits(list(random_rotations(8, 3)))
         assert len(codes) >= 15
