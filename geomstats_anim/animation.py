@@ -1,4 +1,4 @@
-"""The data that every part of the project passes along: a skeleton and its motion, as plain arrays."""
+"""Skeletons and their motion, as plain arrays: the data that every part of the project works on."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from geomstats_anim.names import repeated_name
 from geomstats_anim.rotations import Array
 
 _UNIT_TOLERANCE = 1e-2
-"""How far from 1 a quaternion's norm may be before it is no longer taken for rounding."""
+"""Largest deviation of a quaternion's norm from 1 that is taken for rounding."""
 
 
 _ROUNDING = 1e-15
@@ -111,12 +111,12 @@ class Skeleton:
 
     @property
     def n_joints(self) -> int:
-        """Number of joints, B."""
+        """Return the number of joints, B."""
         return len(self.joints)
 
     @property
     def depths(self) -> np.ndarray:
-        """Depth of each joint, shape=[B], counted from 1 at a root."""
+        """Return the depth of each joint, shape=[B], counted from 1 at a root."""
         depths = np.ones(self.n_joints, dtype=np.intp)
         for joint, parent in enumerate(self.parents):
             if parent >= 0:
@@ -127,10 +127,10 @@ class Skeleton:
 def default_bone_ends(
     parents: ArrayLike, rest_translations: ArrayLike, bone_lengths: Sequence[float | None] | None = None
 ) -> Array:
-    """End point of each joint's bone in its own frame.
+    """Return the end point of each joint's bone in its own frame.
 
     It is the mean of the children's rest translations; for a leaf, its authored length along its own rest
-    translation, else that rest translation once more.
+    translation, else that rest translation again.
 
     Parameters
     ----------
@@ -214,16 +214,16 @@ class Animation:
 
     @property
     def n_frames(self) -> int:
-        """Number of frames, F."""
+        """Return the number of frames, F."""
         return len(self.times)
 
     @property
     def n_joints(self) -> int:
-        """Number of joints, B."""
+        """Return the number of joints, B."""
         return self.skeleton.n_joints
 
     def at_frames(self, frames: ArrayLike | slice) -> Animation:
-        """Keep only some frames.
+        """Return an animation of some frames only.
 
         Parameters
         ----------

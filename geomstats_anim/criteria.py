@@ -1,4 +1,4 @@
-"""How near an animation is to its reference: the criteria of the papers.
+"""Quality of an animation against its reference, by the criteria of the papers.
 
 Kushner, Modi, Miolane, "Learning Riemannian metrics for interpolating animations", equations 7 to 9.
 """
@@ -122,7 +122,7 @@ def joint_weights(weights: str | ArrayLike | None, skeleton: Skeleton) -> Array:
         return np.ones(skeleton.n_joints)
     if isinstance(weights, str):
         if weights != "depth":
-            raise ValueError(f'weights must be None, "depth" or one number a joint, but it is {weights!r}.')
+            raise ValueError(f'weights must be None, "depth" or one number per joint, but it is {weights!r}.')
         return skeleton.depths.astype(np.float64)
     values = np.asarray(weights, dtype=np.float64)
     if values.shape != (skeleton.n_joints,) or not (values >= 0.0).all():
@@ -133,10 +133,10 @@ def joint_weights(weights: str | ArrayLike | None, skeleton: Skeleton) -> Array:
 
 
 def rotation_errors(animation: Animation, reference: Animation) -> Array:
-    """Angles in radians between local rotations, shape=[F, B]."""
+    """Return the angles in radians between local rotations, shape=[F, B]."""
     return quat.distance(reference.rotations, animation.rotations)
 
 
 def location_errors(animation: Animation, reference: Animation) -> Array:
-    """Distances in metres between bone ends, shape=[F, B]."""
+    """Return the distances in metres between bone ends, shape=[F, B]."""
     return np.linalg.norm(world_pose(animation).ends - world_pose(reference).ends, axis=-1)

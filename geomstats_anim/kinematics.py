@@ -15,7 +15,7 @@ from geomstats_anim.rotations import Array
 
 
 class WorldPose(NamedTuple):
-    """Where the joints of an animation are.
+    """Positions of the joints of an animation.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class WorldPose(NamedTuple):
 
 
 def world_pose(animation: Animation) -> WorldPose:
-    """Place every joint and bone end in the world. Scales are not part of it, as they are not in the papers.
+    """Place every joint and bone end in the world. Scales are left out, as in the papers.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def world_pose(animation: Animation) -> WorldPose:
 
 
 def place(skeleton: Skeleton, rotations: Array, translations: Array) -> WorldPose:
-    """Place joints, given as plain arrays; see `world_pose`.
+    """Place joints given as plain arrays; see `world_pose`.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def place(skeleton: Skeleton, rotations: Array, translations: Array) -> WorldPos
 
 
 def breadth_first(skeleton: Skeleton) -> np.ndarray:
-    """Order the joints level by level, shape=[B]."""
+    """Return the joints level by level, shape=[B]."""
     return np.argsort(skeleton.depths, kind="stable")
 
 

@@ -44,7 +44,7 @@ def normalize(quaternion: Array) -> Array:
 
 
 def cross(left: Array, right: Array) -> Array:
-    """Multiply vectors, shape=[..., 3], many times as fast as `numpy.cross` does on few of them."""
+    """Multiply vectors, shape=[..., 3], many times faster than `numpy.cross` for short arrays."""
     return _each("cross", 3, left, right)
 
 
@@ -76,17 +76,17 @@ def log(quaternion: Array) -> Array:
 
 
 def difference(left: Array, right: Array) -> Array:
-    """Shortest rotation vectors, shape=[..., 3], that lead from `left` to `right`, in the frame of `left`."""
+    """Return the shortest rotation vectors, shape=[..., 3], from `left` to `right`, in the frame of `left`."""
     return _each("difference", 3, left, right)
 
 
 def angle(quaternion: Array) -> Array:
-    """Angles in radians, in [0, pi], of unit quaternions, shape=[..., 4]; accurate near 0, where arccos is not."""
+    """Return the angles, in [0, pi] radians, of unit quaternions, shape=[..., 4]; accurate near 0, unlike arccos."""
     return 2.0 * np.arctan2(np.linalg.norm(quaternion[..., :3], axis=-1), np.abs(quaternion[..., 3]))
 
 
 def distance(left: Array, right: Array) -> Array:
-    """Angles in radians, in [0, pi], between the rotations of unit quaternions, shape=[..., 4]."""
+    """Return the angles, in [0, pi] radians, between the rotations of unit quaternions, shape=[..., 4]."""
     # plain NumPy, as that is all that reading a clip needs
     a, b, c, d = np.moveaxis(np.asarray(left, dtype=np.float64), -1, 0)
     x, y, z, w = np.moveaxis(np.asarray(right, dtype=np.float64), -1, 0)
@@ -146,24 +146,8 @@ def to_matrix(quaternion: Array) -> Array:
 
 
 def from_matrix(matrix: Array) -> Array:
-    """Turn rotation matrices, shape=[..., 3, 3], into unit quaternions, shape=[..., 4].
-
-    Each quaternion is the largest of the four columns of 4 q q^T, which never cancels
-    (Markley, "Unit quaternion from rotation matrix", 2008).
-    """
-    m = np.moveaxis(matrix, (-2, -1), (0, 1))
-    diagonal = [m[0, 0], m[1, 1], m[2, 2]]
-    trace = m[0, 0] + m[1, 1] + m[2, 2]
-    outer = np.empty((4, 4, *m.shape[2:]))
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        outer[i, i] = 1.0 + 2.0 * diagonal[i] - trace
-        outer[i, j] = outer[j, i] = m[i, j] + m[j, i]
-        outer[i, 3] = outer[3, i] = m[k, j] - m[j, k]
-    outer[3, 3] = 1.0 + trace
-    largest = np.argmax(np.stack([outer[i, i] for i in range(4)]), axis=0)
-    column = np.take_along_axis(outer, largest[None, None], axis=1)[:, 0]
-    return normalize(np.moveaxis(column, 0, -1))
+    """Turn rotation matrices, shape=[..., 3, 3], into unit quaternions, shape=[..., 4]."""
+    return _each("from_matrix", 4, matrix.reshape(*matrix.shape[:-2], 9))
 
 
 @cache

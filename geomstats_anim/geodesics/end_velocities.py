@@ -29,7 +29,7 @@ class EndVelocities:
         self.end_acceleration = inverse_moments * quat.cross(self._end_momentum, self.end)
 
     def pull_back(self, start: Array, end: Array, start_acceleration: Array, end_acceleration: Array) -> Array:
-        """Pull a derivative by the attributes back: see `partial` of `PoseGeodesics.pull_back_turns`."""
+        """Pull a derivative by the attributes back; see `partial` of `PoseGeodesics.pull_back_turns`."""
         by_momentum, by_moments = self._by_body_momentum(self._momentum, self.start, start, start_acceleration)
         by_end, by_moments_at_end = self._by_body_momentum(self._end_momentum, self.end, end, end_acceleration)
         by_end_in_space = quat.rotate(self._turn, by_end)

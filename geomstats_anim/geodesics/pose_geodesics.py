@@ -34,7 +34,7 @@ from geomstats_anim.rotations import Array
 
 
 class LogStatus(IntEnum):
-    """How the search for a geodesic ended."""
+    """Outcome of the search for a geodesic."""
 
     CONVERGED = boundary_value.CONVERGED
     STALLED = boundary_value.STALLED
@@ -42,7 +42,7 @@ class LogStatus(IntEnum):
 
     @property
     def sentence(self) -> str:
-        """What it means, and what to do."""
+        """Return what it means, and what to do."""
         return _SENTENCES[self]
 
 
@@ -64,7 +64,7 @@ _REACH = 1e5
 
 
 class LogResult(NamedTuple):
-    """Logarithms of a batch, whatever became of each.
+    """Logarithms of a batch, each with its outcome.
 
     Attributes
     ----------
@@ -88,7 +88,7 @@ class LogResult(NamedTuple):
 
 
 class PoseGeodesics:
-    """A batch of geodesics of one metric on SO(3)^B, all made by one compiled call.
+    """Batch of geodesics of one metric on SO(3)^B.
 
     Attributes
     ----------
@@ -106,7 +106,7 @@ class PoseGeodesics:
     """
 
     def __init__(self, initial: Array, velocity: Array, parameters: MetricParameters) -> None:
-        """Make the geodesics that leave `initial` with `velocity`; `between` makes those that join two poses."""
+        """Start geodesics at `initial` with `velocity`; `between` joins two poses."""
         _refuse_beyond_reach(velocity, np.ones(1))
         self.initial, self.velocity, self.parameters = initial, velocity, parameters
         shape = initial.shape[:-1]
@@ -125,7 +125,7 @@ class PoseGeodesics:
 
     @cached_property
     def length(self) -> Array:
-        """Length in the metric, shape=[n, B]; infinite where none was found."""
+        """Return the length in the metric, shape=[n, B]; infinite where none was found."""
         length = np.sqrt((self._momentum**2 * self._inverse_moments).sum(axis=-1))
         return np.where(self.status == LogStatus.CONVERGED, length, np.inf)
 
@@ -288,7 +288,7 @@ class PoseGeodesics:
 
     @property
     def end_velocities(self) -> EndVelocities:
-        """Velocities of what `turns` returns, at parameters 0 and 1."""
+        """Return the velocities of what `turns` returns, at parameters 0 and 1."""
         n = len(self.initial)
         turn = self.turns(np.arange(n), np.ones(n)) if self._vector is None else quat.exp(self._vector)
         return EndVelocities(self._inverse_moments, self._momentum, turn)
@@ -322,7 +322,7 @@ class PoseGeodesics:
 
 
 def _refuse_beyond_reach(velocity: Array, parameter: Array) -> None:
-    """Raise if geodesics of these velocities, shape=[..., 3], turn too far, or nobody knows how far."""
+    """Raise if geodesics of these velocities, shape=[..., 3], turn too far, or are not finite."""
     angle = float(np.abs(velocity).max(initial=0.0)) * float(np.max(parameter, initial=0.0))
     if not angle <= _REACH:
         raise ValueError(f"A geodesic turns by {angle:.3g} radians, but at most {_REACH:g} can be followed.")

@@ -1,4 +1,4 @@
-"""The shortest geodesic from the identity to a rotation, for a left-invariant metric with a diagonal matrix.
+"""Shortest geodesics from the identity to rotations, for left-invariant metrics with diagonal matrices.
 
 A geodesic found by shooting is certified as the shortest when it is no longer than the injectivity radius. Where it is
 longer, or none was found, the other way round and continuation in the metric are tried, and then a survey: rays in
@@ -33,7 +33,7 @@ _TRUSTED = 1e-5
 
 
 class Shots(NamedTuple):
-    """Geodesics found.
+    """Geodesics that shooting found.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Shots(NamedTuple):
     shots: np.ndarray
 
     def at(self, index: np.ndarray) -> Shots:
-        """Copy some of them."""
+        """Return a copy of some of them."""
         return Shots(*(values[index] for values in self))
 
     def replace(self, index: np.ndarray, other: Shots) -> None:
@@ -73,7 +73,7 @@ class Shots(NamedTuple):
 
 
 def injectivity_radius(moments: Array) -> Array:
-    """Length up to which every geodesic is certainly the only shortest one.
+    """Return a length up to which every geodesic is certainly the only shortest one.
 
     It is the smaller of pi / sqrt(K), K the largest sectional curvature, and half the shortest closed geodesic, a full
     turn about the axis of the smallest moment (Klingenberg).
@@ -214,19 +214,19 @@ def _shoot(
 
 
 def _long_way(vector: Array) -> Array:
-    """Rotation vectors of the same rotations, the other way round."""
+    """Return the rotation vectors of the same rotations the other way round."""
     angle = np.linalg.norm(vector, axis=-1, keepdims=True)
     axis = np.where(angle > 0.0, vector / np.where(angle > 0.0, angle, 1.0), [1.0, 0.0, 0.0])
     return vector - 2.0 * np.pi * axis
 
 
 def _bi_invariant_energy(moments: Array, vector: Array) -> Array:
-    """Squared length of the turn about the rotation's axis; the shortest geodesic needs no more."""
+    """Return the squared length of the turn about the rotation's axis, which bounds the shortest geodesic's."""
     return (moments * vector**2).sum(axis=-1)
 
 
 def _directions(turn: int) -> Array:
-    """Spread unit vectors, shape=[_RAYS, 3], evenly over the sphere: a Fibonacci lattice, turned anew each round."""
+    """Spread unit vectors, shape=[_RAYS, 3], evenly over the sphere: a Fibonacci lattice, turned in each round."""
     i = np.arange(_RAYS) + 0.5
     height, azimuth = 1.0 - 2.0 * i / _RAYS, np.pi * (1.0 + np.sqrt(5.0)) * i
     radius = np.sqrt(1.0 - height**2)
@@ -263,7 +263,7 @@ def _survey(moments: Array, vector: Array, best: Shots) -> None:
 
 
 def _passes(moments: Array, vector: Array, energy: Array, turn: int) -> tuple[Array, np.ndarray]:
-    """Momenta, shape=[n, _CANDIDATES, 3], of rays that pass near the targets, and whether by the short way."""
+    """Return momenta, shape=[n, _CANDIDATES, 3], of rays that pass near the targets, and whether by the short way."""
     n = len(moments)
     momentum = np.sqrt(moments * energy[:, None])[:, None] * _directions(turn)
     inverse = np.repeat(1.0 / moments, _RAYS, axis=0)
@@ -288,7 +288,7 @@ def _passes(moments: Array, vector: Array, energy: Array, turn: int) -> tuple[Ar
 
 
 def _mirrored(moments: Array, vector: Array, momentum: Array) -> tuple[Array, Array]:
-    """Momenta of the mirror images of geodesics, shape=[n, 12, 3], and the ways they go.
+    """Return momenta of the mirror images of geodesics, shape=[n, 12, 3], and the ways they go.
 
     Half turns about the principal axes, and reversal of time, carry geodesics to geodesics. At the cut locus a shortest
     geodesic and one of its images end at the same point; near it the image is a good start for the competitor.
@@ -301,7 +301,7 @@ def _mirrored(moments: Array, vector: Array, momentum: Array) -> tuple[Array, Ar
 
 
 def _ends(moments: Array, momentum: Array) -> Array:
-    """Where geodesics end that start at the identity, shape=[n, 4]."""
+    """Return the ends of geodesics that start at the identity, shape=[n, 4]."""
     n = len(moments)
     end = np.empty((n, 1, 4))
     index = np.arange(n)

@@ -1,4 +1,4 @@
-"""How kernels are compiled, kept for later processes, and announced while they compile."""
+"""Compilation of kernels: its flags, its cache between processes, and a notice while it runs."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _can_cache = True
 
 
 def compiled(function: Callable[..., Any]) -> Any:
-    """Compile a kernel on first use, and keep it until any kernel of this folder changes."""
+    """Compile a kernel on first use, and cache it until any kernel of this folder changes."""
     # without fast math, and so without fused multiply-adds, every compilation on every machine rounds the same way
     kernel: Any = numba.njit(nogil=True, error_model="numpy")(function)
     try:
@@ -40,7 +40,7 @@ class _KernelCache(FunctionCache):
 
 
 class _KernelFiles(IndexDataCacheFile):
-    """A file for each key, so that none is ever written over by an older kernel, or by another process's signature."""
+    """One file per key, so that no other version, signature or process ever writes over it."""
 
     def save(self, key: Any, data: Any) -> None:
         self._save_data(self._name(key), data)
@@ -58,7 +58,7 @@ class _KernelFiles(IndexDataCacheFile):
 
 @cache
 def _source_stamp() -> str:
-    """Hash the kernels' sources, and what compiles them for which processor."""
+    """Hash the kernels' sources, the compiler's version and the processor."""
     digest = hashlib.sha256(numba.__version__.encode())
     digest.update(binding.get_host_cpu_name().encode() + binding.get_host_cpu_features().flatten().encode())
     sources = (file for file in resources.files(__package__).iterdir() if file.name.endswith(".py"))
@@ -68,7 +68,7 @@ def _source_stamp() -> str:
 
 
 class _Notice(numba.core.event.Listener):
-    """Says once in a process that a kernel of this package is being compiled, and not merely loaded."""
+    """Log once per process that a kernel of this package is compiled rather than loaded."""
 
     def __init__(self) -> None:
         self._is_given = False
@@ -85,7 +85,7 @@ class _Notice(numba.core.event.Listener):
             _logger.warning("Compiling the geodesic kernels: about ten seconds, %s.", how_often)
 
     def on_end(self, event: numba.core.event.Event) -> None:
-        """Say no more."""
+        """Log nothing."""
 
 
 numba.core.event.register("numba:compile", _Notice())

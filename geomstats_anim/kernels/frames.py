@@ -1,4 +1,4 @@
-"""Compiled passage between poses and the one problem that the kernels solve; see `geodesics` for why there is one.
+"""Compiled passage between poses and the one problem that the kernels solve; see `geodesics.pose_geodesics`.
 
 Each joint has a side, and the rotation P to the principal axes of its metric as a unit quaternion.
 """
@@ -12,7 +12,7 @@ from geomstats_anim.kernels.vectors import conjugate, multiply, rotate_back
 
 @compiled
 def targets(initial, end, is_right, axes, out):
-    """Find where geodesics from the identity have to lead.
+    """Write the targets of the geodesics from the identity.
 
     Parameters
     ----------

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from geomstats_anim.kernels.compilation import compiled
+from geomstats_anim.kernels.quaternions import write_quaternion
 from geomstats_anim.kernels.vectors import conjugate, cross, dot, rotate, rotate_back
 
 
@@ -43,27 +44,8 @@ def read_rotations(matrices, tolerance, quaternions):
         for i in range(3):
             for j in range(3):
                 m[i, j] = r[i, j] - 0.5 * (r[i, 0] * excess[0, j] + r[i, 1] * excess[1, j] + r[i, 2] * excess[2, j])
-        _write_quaternion(m, quaternions[n])
+        write_quaternion(m, quaternions[n])
     return -1
-
-
-@compiled
-def _write_quaternion(m, out):
-    """Write the largest of the four columns of 4 q q^T, normalised; see `rotations.from_matrix`."""
-    trace = m[0, 0] + m[1, 1] + m[2, 2]
-    largest, size = 3, 1.0 + trace
-    for i in range(3):
-        if 1.0 + 2.0 * m[i, i] - trace > size:
-            largest, size = i, 1.0 + 2.0 * m[i, i] - trace
-    if largest == 3:
-        out[0], out[1], out[2] = m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]
-    else:
-        i, j, k = largest, (largest + 1) % 3, (largest + 2) % 3
-        out[j], out[k], out[3] = m[i, j] + m[j, i], m[i, k] + m[k, i], m[k, j] - m[j, k]
-    out[largest] = size
-    norm = np.sqrt(dot(out, out) + out[3] * out[3])
-    for i in range(4):
-        out[i] /= norm
 
 
 @compiled

@@ -77,3 +77,33 @@ def difference(left, right, out):
         vector = log_of(vectors.multiply(vectors.conjugate(left[i]), right[i]))
         for k in range(3):
             out[i, k] = vector[k]
+
+
+@compiled
+def write_quaternion(m, out):
+    """Write the unit quaternion of a rotation matrix, shape=[3, 3].
+
+    It is the largest of the four columns of 4 q q^T, which never cancels (Markley, "Unit quaternion from rotation
+    matrix", 2008), normalised.
+    """
+    trace = m[0, 0] + m[1, 1] + m[2, 2]
+    largest, size = 3, 1.0 + trace
+    for i in range(3):
+        if 1.0 + 2.0 * m[i, i] - trace > size:
+            largest, size = i, 1.0 + 2.0 * m[i, i] - trace
+    if largest == 3:
+        out[0], out[1], out[2] = m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]
+    else:
+        i, j, k = largest, (largest + 1) % 3, (largest + 2) % 3
+        out[j], out[k], out[3] = m[i, j] + m[j, i], m[i, k] + m[k, i], m[k, j] - m[j, k]
+    out[largest] = size
+    norm = np.sqrt(vectors.dot(out, out) + out[3] * out[3])
+    for i in range(4):
+        out[i] /= norm
+
+
+@compiled
+def from_matrix(entries, out):
+    """Turn rotation matrices, shape=[n, 9], into unit quaternions, shape=[n, 4]."""
+    for i in range(len(out)):
+        write_quaternion(entries[i].reshape(3, 3), out[i])

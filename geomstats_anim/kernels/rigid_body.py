@@ -43,7 +43,7 @@ SERIES_ROWS = _VARIATION + 9 * (VARIATION_ORDER + 1)
 
 @compiled
 def _sine_cosine(x):
-    """Sine and cosine of every lane: Taylor polynomials of a quarter of the reduced angle, doubled twice."""
+    """Return sine and cosine of every lane, by Taylor polynomials of a quarter of the reduced angle, doubled twice."""
     x = 0.25 * (x - (2.0 * np.pi) * rint(x * (0.5 / np.pi)))
     square = x * x
     sine = splat(1.0)
@@ -59,7 +59,7 @@ def _sine_cosine(x):
 
 @compiled
 def expand(series, inverse, momentum, rotation):
-    """Write the series of body momentum and angle about the present time into the workspace.
+    """Write the series of body momentum and angle about the present time to the workspace.
 
     Arrays have shape [rows, LANES]: inverse moments (3), spatial momentum (3), rotation (4). Returns the largest of the
     last two coefficients, relative to the momentum.
@@ -103,7 +103,7 @@ def expand(series, inverse, momentum, rotation):
 
 @compiled
 def evaluate(series, momentum, rotation, time):
-    """Rotation at a time, in every lane, after the step's start, as four vectors of a unit quaternion."""
+    """Return the rotation in every lane, a time after the step's start, as four vectors of a unit quaternion."""
     m = load3(momentum, 0)
     norm = 1.0 / sqrt(maximum(dot(m, m), splat(1e-300)))
     a = load3(series, MOMENTUM + 3 * ORDER)
@@ -160,7 +160,7 @@ def advance_variation(series, variation, time):
 
 @compiled
 def step_size(size, tolerance):
-    """Step whose last terms are as large as the tolerance (Jorba & Zou, section 3.2)."""
+    """Return the step whose last terms are as large as the tolerance (Jorba & Zou, section 3.2)."""
     return sqrt(sqrt(sqrt(sqrt(tolerance / size))))
 
 
@@ -174,7 +174,7 @@ def leave_identity(lane, inverse, momentum, lane_inverse, lane_momentum, rotatio
 
 @compiled
 def _find_due(problem, sample, last, parameter, time, step, offset, due):
-    """Find the lanes whose next sample lies in the present step, and write where in it; returns their number."""
+    """Write where the next samples lie in the present step, and which do; return the number of those."""
     n_due = 0
     for lane in range(LANES):
         due[lane] = False

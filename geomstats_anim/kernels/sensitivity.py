@@ -6,8 +6,7 @@ gives it all the same: the end point x(1) of the variation is known, so the vari
 by the moments at fixed momentum. Pulled back, a segment costs one linear solve for :math:`\lambda = J^{-T} S_m`.
 
 The variation of body momentum by the moments obeys the linearised Euler equations with a forcing term. The body
-variation
-follows from it as in `rigid_body`, but the energy now changes by :math:`m \cdot dD^{-1} m / 2`, and
+variation follows from it as in `rigid_body`, but the energy now changes by :math:`m \cdot dD^{-1} m / 2`, and
 :math:`x \cdot M` grows with the integral of :math:`M \cdot dD^{-1} M / 2` besides.
 """
 
@@ -41,7 +40,7 @@ _SUM_ROWS = 8
 
 @compiled
 def _expand_variation(series, inverse, variation, expansion):
-    """Write the series of the variation and of the integrals, _STATE_ROWS rows a coefficient."""
+    """Write the series of the variation and of the integrals, _STATE_ROWS rows per coefficient."""
     inv = load3(inverse, 0)
     coupling = (inv[2] - inv[1], inv[0] - inv[2], inv[1] - inv[0])
     for row in range(_STATE_ROWS):
@@ -145,9 +144,9 @@ def _finish(sums, variations, rotation, lane, out):
 
 @compiled
 def _find_due(problem, sample, last, parameter, column, cotangent, time, step, offset, due_cotangent):
-    """Take the next sample of every lane that lies in the present step, and write where in it; returns their number.
+    """Take the next sample of every lane that has one in the present step, and return their number.
 
-    Lanes without one have a cotangent of zero.
+    Its place in the step and its cotangent are written; a lane without one has a cotangent of zero.
     """
     n_due = 0
     for lane in range(LANES):

@@ -49,7 +49,7 @@ _MAX_STEPS = 2000
 """Taylor steps of a shot, after which it counts as gone astray; condition 100 needs some hundred."""
 
 _SLACK = 1.2
-"""How much more energy than the bi-invariant geodesic an iterate may have."""
+"""Largest energy of an iterate, as a multiple of the bi-invariant geodesic's."""
 
 LANE = np.dtype(
     [
@@ -72,7 +72,7 @@ LANE = np.dtype(
         ("shots", np.int64),
     ]
 )
-"""What a lane knows of its problem."""
+"""State of a lane."""
 
 
 @compiled
@@ -87,7 +87,7 @@ def _guess(vector, moments):
 
 @compiled
 def _begin(lane, problem, moments, vector, start, max_energy):
-    """Take a problem."""
+    """Give a lane a new problem."""
     lane.problem = problem
     lane.shots = 0
     angle = np.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
@@ -108,7 +108,7 @@ def _begin(lane, problem, moments, vector, start, max_energy):
 
 @compiled
 def _aim(lane):
-    """Start on the continuation's next metric."""
+    """Aim at the continuation's next metric."""
     lane.bound = 0.0
     for i in range(3):
         lane.metric[i] = lane.moments[i] ** (lane.tau + lane.tau_step)
@@ -128,7 +128,7 @@ def _aim(lane):
 
 @compiled
 def _judge(lane, rotation, variation, number, may_follow, trusted):
-    """Look where a shot ended, and choose the next one or a status."""
+    """Check where a shot ended, and choose the next one or a status."""
     lane.shots += 1
     miss = _miss(lane.target, rotation, number)
     length = np.sqrt(miss[0] ** 2 + miss[1] ** 2 + miss[2] ** 2)
@@ -180,7 +180,7 @@ def _judge(lane, rotation, variation, number, may_follow, trusted):
 
 @compiled
 def _miss(target, rotation, number):
-    """Rotation vector from a shot's end to its target, in the body frame, exact to second order."""
+    """Return the rotation vector from a shot's end to its target, in the body frame, exact to second order."""
     x, y, z, w = rotation[0, number], rotation[1, number], rotation[2, number], rotation[3, number]
     scale = 4.0 / (1.0 + max(w * target[3] + x * target[0] + y * target[1] + z * target[2], -0.9))
     return (

@@ -8,19 +8,19 @@ from geomstats_anim.kernels.simd import load, store
 
 @compiled
 def cross(a, b):
-    """Cross product."""
+    """Return the cross product."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 @compiled
 def dot(a, b):
-    """Scalar product."""
+    """Return the scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @compiled
 def multiply(a, b):
-    """Product of quaternions."""
+    """Return the product of quaternions."""
     return (
         a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1],
         a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],
@@ -31,7 +31,7 @@ def multiply(a, b):
 
 @compiled
 def conjugate(q):
-    """Inverse of a unit quaternion."""
+    """Return the inverse of a unit quaternion."""
     return (-q[0], -q[1], -q[2], q[3])
 
 

@@ -1,1 +1,1 @@
-"""The Geomstats face: metrics and manifolds of poses."""
+"""Metrics and manifolds of poses for Geomstats."""

@@ -1,4 +1,4 @@
-"""What the metrics on SO(3) and SO(3)^B share: the inner product, and what follows from geodesics.
+"""Base of the metrics on SO(3) and SO(3)^B: the inner product, and what follows from geodesics.
 
 It is one mathematics on arrays of shape [..., B, 3, 3], with B = 1 for SO(3): one compiled call for all elements of a
 batch and all bones. Numbers are float64 inside; arrays of other backends are converted at the boundary, so that

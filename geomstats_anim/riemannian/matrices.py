@@ -117,7 +117,7 @@ class PoseMatrices:
 
     @staticmethod
     def write(values: np.ndarray, shape: tuple[int, ...]) -> Any:
-        """Hand an array to the backend."""
+        """Convert an array to one of the backend."""
         return gs.from_numpy(values.reshape(shape))
 
     def _batch(self, values: Array) -> tuple[int, ...]:
@@ -133,7 +133,7 @@ def flat(values: Array, batch: tuple[int, ...], point_ndim: int) -> Array:
 
 
 def read(values: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
-    """Read what a user gave, of any backend and number type, as finite float64 numbers.
+    """Read arrays of any backend and number type as finite float64 numbers.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ def _floats(values: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
 
 
 def _refuse_point(matrices: Array, number: int, name: str) -> None:
-    """Say why a matrix, counting flat over all axes but the last two, is not a rotation."""
+    """Raise the reason why a matrix, counted flat over all axes but the last two, is not a rotation."""
     index = np.unravel_index(number, matrices.shape[:-2])
     matrix = matrices[index]
     if not np.isfinite(matrix).all():
@@ -178,7 +178,7 @@ def _refuse_point(matrices: Array, number: int, name: str) -> None:
         raise ValueError(f"{at(name, index)} is not a rotation but a reflection: its determinant is -1.")
     raise ValueError(
         f"{at(name, index)} is not a rotation: R^T R deviates from the identity by {deviation:.3g}, "
-        f"more than {TOLERANCE:g}; project it onto the space before."
+        f"more than {TOLERANCE:g}; project it onto the space first."
     )
 
 

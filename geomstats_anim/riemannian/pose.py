@@ -1,4 +1,4 @@
-"""The pose Lie group SO(3)^B and invariant metrics on it, for Geomstats."""
+"""Pose Lie group SO(3)^B and invariant metrics on it, for Geomstats."""
 
 from __future__ import annotations
 
@@ -48,17 +48,17 @@ class PoseSpace(NFoldManifold):
 
     @property
     def n_bones(self) -> int:
-        """Number of bones, B."""
+        """Return the number of bones, B."""
         return self.n_copies
 
     @staticmethod
     def default_metric() -> type:
-        """Metric to equip the space with if equip is True."""
+        """Return the metric to equip the space with if equip is True."""
         return PoseMetric
 
     @property
     def identity(self) -> Any:
-        """Identity of the group, shape=[B, 3, 3]."""
+        """Return the identity of the group, shape=[B, 3, 3]."""
         return gs.tile(gs.eye(3), (self.n_bones, 1, 1))
 
     def belongs(self, point: Any, atol: float = gs.atol) -> Any:

@@ -17,7 +17,7 @@ from geomstats_anim.riemannian.matrices import PoseMatrices
 from geomstats_anim.rotations import Array
 
 _NAMED_FAILURES = 5
-"""How many elements the error of a logarithm names."""
+"""Most elements that the error of a logarithm names."""
 
 
 class GeodesicExpSolver(ExpSolver):
@@ -120,7 +120,7 @@ class GeodesicLogSolver(LogSolver):
         )
 
     def log(self, point: Any, base_point: Any = None) -> Any:
-        """Find logarithms, or raise.
+        """Find logarithms.
 
         Parameters
         ----------
@@ -177,7 +177,7 @@ class GeodesicLogSolver(LogSolver):
 
 
 def _path(arrays: PoseMatrices, geodesics: PoseGeodesics, batch: tuple[int, ...]) -> Callable[[Any], Any]:
-    """Make the function of time of a batch of geodesics."""
+    """Return the function of time of a batch of geodesics."""
     backward = PoseGeodesics(geodesics.initial, -geodesics.velocity, geodesics.parameters)
     n, n_joints = geodesics.initial.shape[:2]
 
@@ -207,7 +207,7 @@ def _path(arrays: PoseMatrices, geodesics: PoseGeodesics, batch: tuple[int, ...]
 
 
 def _raise_failures(status: np.ndarray, shape: tuple[int, ...]) -> None:
-    """Name the elements without a geodesic, and what to do."""
+    """Raise if elements have no geodesic, naming them and the remedy."""
     if (status == CONVERGED).all():
         return
     failures = np.argwhere(status.reshape(shape) != CONVERGED)

@@ -51,7 +51,7 @@ def transport(parameters: MetricParameters, velocity: Array, vector: Array, n_st
 
 
 def _magnus_steps(parameters: MetricParameters, velocity: Array, turned: Array) -> Array:
-    """Rotations of the orthonormal frame in each step, shape=[n, n_steps, B, 4], from the poses at the Gauss nodes."""
+    """Return the rotations of the orthonormal frame in each step, shape=[n, n_steps, B, 4]; turned: at Gauss nodes."""
     is_right, moments = parameters.is_right[:, None], parameters.moments
     # the momentum is constant in space if the metric is left-invariant, and in the body if it is right-invariant
     momentum = (parameters.matrices @ velocity[..., None])[..., 0]
