@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import ast
 import re
 from collections.abc import Iterable, Iterator
 from importlib import import_module
@@ -15,21 +14,11 @@ from docutils.statemachine import StringList
 from sphinx.util.docutils import SphinxDirective
 
 import usd_tools
+from usd_tools.__main__ import VERBS
 
 _FOLDER = Path(usd_tools.__file__).parent
-_ORDER = ("inspect", "from_bvh", "upsample", "learn", "downsample", "compare")
 _WIDTH = 84
 _LONGEST = 42
-
-
-def verbs() -> list[str]:
-    """Return the names of all modules with a parser and a main, in the order in which they are used."""
-    found = []
-    for path in _FOLDER.glob("*.py"):
-        functions = {node.name for node in ast.parse(path.read_text("utf-8")).body if isinstance(node, ast.FunctionDef)}
-        if {"parser", "main"} <= functions:
-            found.append(path.stem)
-    return sorted(found, key=lambda verb: (_ORDER.index(verb) if verb in _ORDER else len(_ORDER), verb))
 
 
 def _marked_up(text: str) -> str:
@@ -80,16 +69,16 @@ class Verbs(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """Make the sections."""
-        lines = [line for verb in verbs() for line in self._section(verb)]
+        lines = [line for verb in VERBS for line in self._section(verb)]
         node = nodes.section()
         node.document = self.state.document
         self.state.nested_parse(StringList(lines, "verbs"), 0, node, match_titles=1)
-        for verb in verbs():
+        for verb in VERBS:
             self.env.note_dependency(str(_FOLDER / f"{verb}.py"))
         return node.children
 
     def _section(self, verb: str) -> Iterator[str]:
-        parse: argparse.ArgumentParser = import_module(f"usd_tools.{verb}").parser()
+        parse: argparse.ArgumentParser = import_module(f"usd_tools.{verb}").parser(f"geomstats-anim {verb}")
         _shorten(parse)
         parse.formatter_class = lambda prog: argparse.HelpFormatter(prog, width=_WIDTH)
         yield from (f".. _{verb}:", "", verb, "-" * len(verb), "", f".. program:: {verb}", "")

@@ -40,9 +40,9 @@ def from_bvh(
 
     Parameters
     ----------
-    source : path
+    source : path-like
         BVH file.
-    out : path
+    out : path-like
         USD file to write.
     options : FromBvhOptions
         Optional, default: centimetres, Y up, the rate of the file.
@@ -95,7 +95,7 @@ def from_bvh_stage(
 
     Parameters
     ----------
-    source : path
+    source : path-like
         BVH file.
     stage : Usd.Stage
     options : FromBvhOptions

@@ -51,9 +51,9 @@ def upsample(
 
     Parameters
     ----------
-    source : path
+    source : path-like
         USD file.
-    out : path or None
+    out : path-like or None
         USD file to write; None with `in_place` or `dry_run`.
     options : UpsampleOptions
     progress : callable
