@@ -19,6 +19,7 @@ from usd_tools.skel import output
 from usd_tools.skel.clip import SkelClip, read_clip
 from usd_tools.skel.edit_target import EditTargetLayer
 from usd_tools.skel.find import AnimationSource, find_animations, select_animations
+from usd_tools.skel.frame_rates import rate_like
 from usd_tools.skel.output import Output
 from usd_tools.skel.resampling import at_rate, resample, subdivided, with_codes
 from usd_tools.skel.time_codes import clips_with_source_codes, codes_for
@@ -56,7 +57,9 @@ def upsample_file(
     with usd_warnings(messages), reading(source):
         clips = _upsampled(source, stage, options, messages, progress)
         if not options.dry_run:
-            layer = target.layer(stage, TOOL, options.settings(), messages, options.fps if options.retime else None)
+            layer = target.layer(
+                stage, TOOL, options.settings(), messages, _rate(stage, options) if options.retime else None
+            )
             _write(layer, clips, messages)
             target.save(layer)
         animations = _described(clips, options, messages)
@@ -182,7 +185,7 @@ def _target_codes(options: UpsampleOptions, clip: SkelClip, messages: Messages) 
     if options.factor is not None:
         return subdivided(clip, options.factor)
     if options.fps is not None:
-        if options.fps < 0.999 * clip.samples_per_second():
+        if options.fps < 0.9995 * clip.samples_per_second():
             messages.warn(
                 f"{clip.path} has {clip.samples_per_second():g} samples a second, more than --fps {options.fps:g}; "
                 "samples are only ever added."
@@ -211,7 +214,9 @@ def _described(
 
 
 def _rate(stage: Usd.Stage, options: UpsampleOptions) -> float:
-    return options.fps if options.retime and options.fps is not None else stage.GetTimeCodesPerSecond()
+    """Return the time codes per second of the output; retimed, in the digits of the source, so that frames coincide."""
+    own = stage.GetTimeCodesPerSecond()
+    return rate_like(options.fps, own) if options.retime and options.fps is not None else own
 
 
 def _advice(stage: Usd.Stage, clips: Sequence[UpsampledClip], rate: float, retimed: bool) -> str:

@@ -74,3 +74,18 @@ def test_rates_that_differ_are_not_taken_for_one(codes_at):
     gaps = np.diff(found)
     assert len(found) > 1900
     assert gaps.min() > 0.9 * SNAP_OF_FRAME
+
+
+@pytest.mark.parametrize(
+    ("own", "typed", "retimed"), [(29.97, 59.94, 59.94), (29.97, 29.97, 29.97), (24, 23.976, None)]
+)
+def test_retimed_frames_of_television_are_whole(tmp_path, run, own, typed, retimed):
+    """A source whose rate has two decimals keeps them, so that every sample of it is a whole frame."""
+    make_rig(tmp_path / "in.usda", codes=range(40), rate=own)
+    code, _, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--fps", typed, "--retime")
+    stage = Usd.Stage.Open(str(tmp_path / "out.usda"))
+    if retimed is None:
+        assert (code, "more than --fps 23.976" in err) == (0, True)
+        return
+    assert (code, err, stage.GetTimeCodesPerSecond()) == (0, "", retimed)
+    assert read(tmp_path / "out.usda")[0] == list(range(round(39 * retimed / own) + 1))
