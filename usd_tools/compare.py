@@ -26,7 +26,7 @@ from usd_tools.console.progress import Progress, ProgressBar
 from usd_tools.console.text import say
 from usd_tools.files.folders import check_folder, made_beside
 from usd_tools.files.openusd_errors import openusd_errors, usd_warnings
-from usd_tools.learning.files import files_in, read_clips, take_all
+from usd_tools.learning.files import find_files, read_clips, training_clips
 from usd_tools.learning.result import Skipped
 
 TOOL = "usd_tools.compare"
@@ -112,11 +112,11 @@ def compare(args: argparse.Namespace) -> int:
 
 
 def _read(args: argparse.Namespace, messages: Messages) -> tuple[list[ComparedClip], list[Skipped]]:
-    files = files_in(args.inputs, messages)
+    files = find_files(args.inputs, messages)
     found, skipped = [], []
     for path in files:
         try:
-            taken, lost = take_all(path, read_clips(path, args.prim, messages), messages)
+            taken, lost = training_clips(path, read_clips(path, args.prim, messages), messages)
         except ToolError as error:
             if len(files) == 1:
                 raise

@@ -27,7 +27,7 @@ from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
 from usd_tools.files.stages import open_stage
 from usd_tools.metrics import explain as metric_meaning
 from usd_tools.metrics.attributes import read_metric, read_source_codes, summary
-from usd_tools.metrics.explain import JointMeaning, joint_meanings, worth
+from usd_tools.metrics.explain import JointMeaning, describe_scores, joint_meanings
 from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip, read_clip
 from usd_tools.skel.find import AnimationSource, find_animations
@@ -97,7 +97,7 @@ def describe(stage: Usd.Stage, path: Path, messages: Messages) -> dict[str, Any]
         meters_per_unit (in the world), channels (a name each: samples, value_blocks, held_gaps, from), samples, codes
         and seconds (first and last), samples_per_second, evenly_spaced, samples_of_source (of a sparse animation),
         stepped_pairs, largest_step and wide_steps (joint, start, end, degrees), sign_flips, not_unit_quaternions,
-        metric (error, summary, scheme, joints, quality, provenance, by_joint: see `metric_meaning.described`).
+        metric (error, summary, scheme, joints, quality, provenance, by_joint: see `metric_meaning.as_dict`).
     """
     root = stage.GetRootLayer()
     sources = find_animations(stage)
@@ -239,7 +239,7 @@ def _describe_metric(source: AnimationSource, messages: Messages) -> dict[str, A
         "joints": len(metric.joints),
         "quality": metric.quality,
         "provenance": dict(metric.provenance),
-        "by_joint": [metric_meaning.described(meaning) for meaning in joint_meanings(metric)],
+        "by_joint": [metric_meaning.as_dict(meaning) for meaning in joint_meanings(metric)],
     }
 
 
@@ -265,7 +265,7 @@ def _print_metric(prim: str, metric: dict[str, Any]) -> None:
     rows = metric_meaning.table_rows(meanings)
     show(f"What the metric of {prim} means", rows, metric_meaning.HEADER)
     print(metric_meaning.EXPLANATION)
-    for sentence in worth(metric["provenance"]):
+    for sentence in describe_scores(metric["provenance"]):
         print(sentence)
 
 

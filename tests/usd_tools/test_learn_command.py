@@ -15,7 +15,7 @@ from geomstats_anim import LearnedMetric
 from geomstats_anim.rotations import distance
 from usd_tools.console.progress import SearchProgress
 from usd_tools.console.tables import show
-from usd_tools.learning.clips import aligned, take_of
+from usd_tools.learning.clips import training_clip, with_joint_order
 from usd_tools.skel.clip import read_clip
 from usd_tools.skel.find import find_animations
 
@@ -186,7 +186,7 @@ def test_corpus_of_files_and_folders(tmp_path, learned, run):
     out, err, report = learned(tmp_path / "walk.usda", tmp_path / "takes", "-o", tmp_path / "hero.json")
     assert [one["file"] for one in report["metrics"][0]["animations"]] == ["walk.usda", "jump.usdc", "run.usda"]
     assert [one["file"] for one in report["skipped"]] == ["broken.usda"]
-    assert "warning: skipped: " in err and "walk_x2.usda was made by this package" in err
+    assert "warning: skipped: " in err and "walk_x2.usda was written by this package" in err
     metric = LearnedMetric.from_json((tmp_path / "hero.json").read_text())
     assert metric.provenance["source"] == ["walk.usda", "jump.usdc", "run.usda"]
     assert len(metric.provenance["sha256"]) == 3 and metric.provenance["frames"] == [20, 20, 20]
@@ -203,8 +203,8 @@ def test_joints_are_matched_by_name(tmp_path, learned):
     takes = []
     for name in ("a.usda", "b.usda"):
         (source,) = find_animations(Usd.Stage.Open(str(tmp_path / name)))
-        takes.append(take_of(tmp_path / name, read_clip(source)))
-    first, second = (aligned(take, JOINTS).stretches[0] for take in takes)
+        takes.append(training_clip(tmp_path / name, read_clip(source)))
+    first, second = (with_joint_order(take, JOINTS).stretches[0] for take in takes)
     assert first.skeleton.joints == second.skeleton.joints == tuple(JOINTS)
     np.testing.assert_array_equal(first.rotations, second.rotations)
     np.testing.assert_array_equal(first.skeleton.parents, second.skeleton.parents)
@@ -219,7 +219,7 @@ def test_blocks_and_steps_cut(tmp_path):
     rotations[4] = None
     make_rig(tmp_path / "in.usda", codes=codes, rotations=rotations, translations=None)
     (source,) = find_animations(Usd.Stage.Open(str(tmp_path / "in.usda")))
-    take = take_of(tmp_path / "in.usda", read_clip(source))
+    take = training_clip(tmp_path / "in.usda", read_clip(source))
     seconds = [(stretch.times[[0, -1]] * 24).round(4).tolist() for stretch in take.stretches]
     assert seconds == [[0, 3], [5, 10], [10, 19]]
     assert [stretch.n_frames for stretch in take.stretches] == [4, 6, 10]
@@ -230,7 +230,7 @@ def test_samples_of_other_channels_are_not_taken_for_motion(tmp_path):
     denser = np.arange(0, 19.5, 0.5)
     set_samples(stage, "translations", denser, np.float32(np.random.default_rng(0).normal(size=(len(denser), 3, 3))))
     (source,) = find_animations(stage)
-    (stretch,) = take_of(tmp_path / "in.usda", read_clip(source)).stretches
+    (stretch,) = training_clip(tmp_path / "in.usda", read_clip(source)).stretches
     assert stretch.n_frames == 20
 
 

@@ -17,7 +17,7 @@ from geomstats_anim.criteria import location_errors, rotation_errors
 from geomstats_anim.learning.learn import STILL, learn_metric
 from geomstats_anim.names import FAMILIES, PURPOSES, WITH_METRIC
 from usd_tools.console.text import did_you_mean, listed
-from usd_tools.learning.clips import Take
+from usd_tools.learning.clips import TrainingClip
 from usd_tools.skel.sizes import bytes_numpy, bytes_usdc
 
 RATES = (0.5, 0.3, 0.2, 0.1, 0.05)
@@ -221,13 +221,13 @@ def rebuild(stretches: Sequence[Animation], rate: float, scheme: str, metric: Le
     return Rebuilt(kept, dense, sum(len(curve.fallbacks) for curve in curves))
 
 
-def measure(cell: Cell, take: Take, kind: str) -> Outcome:
+def measure(cell: Cell, take: TrainingClip, kind: str) -> Outcome:
     """Do what a cell says; what goes wrong is told in its row.
 
     Parameters
     ----------
     cell : Cell
-    take : Take
+    take : TrainingClip
     kind : str
         Quality that learning minimises.
 
@@ -258,7 +258,7 @@ def _row(cell: Cell) -> Row:
     )
 
 
-def _measured(cell: Cell, take: Take, kind: str) -> Outcome:
+def _measured(cell: Cell, take: TrainingClip, kind: str) -> Outcome:
     scored = take.stretches
     if cell.unseen:
         scored = tuple(stretch.at_frames(slice(stretch.n_frames // 2, None)) for stretch in scored)
@@ -287,7 +287,7 @@ def _measured(cell: Cell, take: Take, kind: str) -> Outcome:
 
 @lru_cache(maxsize=4)
 def _learned(
-    take: Take, rate: float, contender: Contender, first_half: bool, kind: str, purpose: str
+    take: TrainingClip, rate: float, contender: Contender, first_half: bool, kind: str, purpose: str
 ) -> tuple[LearnedMetric, float]:
     """Learn a metric, and tell how many seconds it took; the fit that "predict" shrinks is that of "reconstruct"."""
     stretches = take.stretches

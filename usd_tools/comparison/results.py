@@ -14,7 +14,7 @@ import numpy as np
 
 from usd_tools.comparison.cells import Outcome, Rebuilt, Row, rebuild
 from usd_tools.console.errors import Messages
-from usd_tools.learning.clips import Take
+from usd_tools.learning.clips import TrainingClip
 from usd_tools.skel.channels import JOINT_CHANNELS, Channel
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.resampling import resample, signs_towards
@@ -35,16 +35,16 @@ class ComparedClip:
     path : Path
         File that it is in.
     clip : SkelClip
-    take : Take
+    take : TrainingClip
     """
 
     name: str
     path: Path
     clip: SkelClip
-    take: Take
+    take: TrainingClip
 
 
-def named(clips: Sequence[tuple[Path, SkelClip, Take]]) -> list[ComparedClip]:
+def named(clips: Sequence[tuple[Path, SkelClip, TrainingClip]]) -> list[ComparedClip]:
     """Name clips after their files, and after their prims where a file has several."""
     named: dict[str, ComparedClip] = {}
     files = [path for path, _, _ in clips]
@@ -113,7 +113,7 @@ def write_rebuilt(
     return name
 
 
-def rebuilt_channels(clip: SkelClip, take: Take, rebuilt: Rebuilt) -> dict[str, Channel]:
+def rebuilt_channels(clip: SkelClip, take: TrainingClip, rebuilt: Rebuilt) -> dict[str, Channel]:
     """Replace all samples of a clip that were not kept.
 
     Within a stretch there are samples where the rotations have them; outside of all stretches, the clip's own.

@@ -7,14 +7,14 @@ from collections.abc import Callable, Mapping, Sequence
 from geomstats_anim.learning.tune import ray_runtime
 from usd_tools.comparison.cells import Cell, Outcome, failed, measure
 from usd_tools.console.errors import ToolError
-from usd_tools.learning.clips import Take
+from usd_tools.learning.clips import TrainingClip
 
 Done = Callable[[Outcome], None]
 
 
 def measure_all(
     cells: Sequence[Cell],
-    takes: Mapping[str, Take],
+    takes: Mapping[str, TrainingClip],
     kind: str,
     address: str | None = None,
     cpus: int | None = None,
@@ -25,7 +25,7 @@ def measure_all(
     Parameters
     ----------
     cells : sequence of Cell
-    takes : mapping of str to Take
+    takes : mapping of str to TrainingClip
         By the names of clips.
     kind : str
         Quality that learning minimises.
@@ -61,7 +61,7 @@ def measure_all(
         raise ToolError(str(error)) from error
 
 
-def _spread(cells: Sequence[Cell], takes: Mapping[str, Take], kind: str, done: Done) -> list[Outcome]:
+def _spread(cells: Sequence[Cell], takes: Mapping[str, TrainingClip], kind: str, done: Done) -> list[Outcome]:
     ray = ray_runtime.require("ray")
     task = ray.remote(measure)
     there = {name: ray.put(take) for name, take in takes.items()}

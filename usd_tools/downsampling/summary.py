@@ -19,7 +19,7 @@ from usd_tools.downsampling.reduce import Reduced
 from usd_tools.downsampling.thinning import Errors
 from usd_tools.files.atomic import written_beside
 from usd_tools.files.paths import same_file
-from usd_tools.files.stages import standing
+from usd_tools.files.stages import describe_dependencies
 from usd_tools.metrics.attributes import summary
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.sizes import clip_bytes_numpy, clip_bytes_usdc
@@ -97,8 +97,8 @@ def _cells(errors: dict[str, Any]) -> list[str]:
 def tell_file(source: Path, size_before: int, out: Path, messages: Messages) -> None:
     """Say what is written, what else it needs, and how to get the rest back."""
     print(
-        f"{out} is written: {size_before} -> {out.stat().st_size} bytes. {standing(out, messages)}; get all samples "
-        f"back with: python -m usd_tools.upsample {shlex.quote(str(out))} -o BACK.usda --times source"
+        f"{out} is written: {size_before} -> {out.stat().st_size} bytes. {describe_dependencies(out, messages)}; get "
+        f"all samples back with: python -m usd_tools.upsample {shlex.quote(str(out))} -o BACK.usda --times source"
     )
     if out.suffix == ".usda" and out.stat().st_size > size_before:
         before = "it was" if same_file(out, [source]) else source.name

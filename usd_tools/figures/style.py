@@ -1,4 +1,4 @@
-"""How schemes look in figures and on the page: the papers' colours, and others that can be told from them."""
+"""Colours and markers of schemes in figures and on the page: the papers' colours, and others that differ from them."""
 
 from __future__ import annotations
 

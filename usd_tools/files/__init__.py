@@ -1,1 +1,1 @@
-"""Files on disk: checks, atomic writes, stages, packages."""
+"""Check, open and write files: paths, atomic writes, stages, packages."""

@@ -1,4 +1,4 @@
-"""Files written beside and renamed, so that a half-made file is never left behind."""
+"""Write files beside and rename them, so that a half-made file is never left behind."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from usd_tools.files.openusd_errors import TEMPORARY, commentary
 
 @contextmanager
 def temporary_folder() -> Iterator[Path]:
-    """Give a folder that is gone afterwards.
+    """Yield a folder that is removed afterwards.
 
     Raises
     ------
@@ -37,7 +37,7 @@ def temporary_folder() -> Iterator[Path]:
 
 @contextmanager
 def written_beside(path: Path) -> Iterator[Path]:
-    """Give a path to write to, and rename what is there afterwards; on an error nothing is left behind.
+    """Yield a path to write to, and rename what is there afterwards; on an error nothing is left behind.
 
     A process that is killed leaves the new folder, which is hidden, named after the file, and may be deleted.
 

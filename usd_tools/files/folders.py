@@ -1,4 +1,4 @@
-"""A folder that a command makes as a whole: made beside, and renamed when everything is in it."""
+"""Make a folder as a whole: fill it beside, and rename it when everything is in it."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def _is_made_by(folder: Path, tool: str) -> bool:
 
 @contextmanager
 def made_beside(folder: Path) -> Iterator[Path]:
-    """Give a new folder to fill, and rename it afterwards; on an error nothing is left behind.
+    """Yield a new folder to fill, and rename it afterwards; on an error nothing is left behind.
 
     Parameters
     ----------

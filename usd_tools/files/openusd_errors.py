@@ -1,4 +1,4 @@
-"""OpenUSD's errors and warnings, as sentences of one line."""
+"""Turn OpenUSD's errors and warnings into sentences of one line."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from pxr import Tf, UsdUtils
 from usd_tools.console.errors import Messages, ToolError
 
 TEMPORARY = "geomstats_anim-"
-"""How the names of temporary folders begin."""
+"""Prefix of the names of temporary folders."""
 
 LONGEST = 400
-"""Characters of what OpenUSD says: of a broken file it may list every part."""
+"""Characters of a message of OpenUSD: for a broken file it may list every part."""
 
 _PACKED = re.compile(r"Failed to resolve reference @\d+/")
-"""How OpenUSD, when it packs, begins to speak of files that it has packed, by their new names; those are there."""
+"""Start of a warning when OpenUSD packs: it does not find files under the new names that it gives them itself."""
 
 
 def commentary(error: Tf.ErrorException) -> str:
-    """Tell in one line what OpenUSD says in several: its first error, without places in its source code."""
+    """Return the first error of several in one line, without places in OpenUSD's source code."""
     return _one_line(error.args[0]) if error.args else "OpenUSD gave no reason"
 
 
@@ -59,7 +59,7 @@ def openusd_errors() -> Iterator[None]:
 
 @contextmanager
 def reading(path: Path) -> Iterator[None]:
-    """Turn what OpenUSD says of a broken file into an error: much of a file is read only when it is asked for.
+    """Turn an error of OpenUSD on a broken file into a `ToolError`: much of a file is read only when it is asked for.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def reading(path: Path) -> Iterator[None]:
 
 @contextmanager
 def usd_warnings(messages: Messages) -> Iterator[None]:
-    """Turn what OpenUSD would print on stderr into warnings of our own."""
+    """Collect what OpenUSD would print on stderr as warnings."""
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
     try:
         yield
@@ -88,7 +88,7 @@ def usd_warnings(messages: Messages) -> Iterator[None]:
 
 @contextmanager
 def usd_unheard() -> Iterator[None]:
-    """Keep OpenUSD from printing what is told in another way, or has been already."""
+    """Keep OpenUSD from printing what is reported in another way, or has been already."""
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
     try:
         yield

@@ -1,4 +1,4 @@
-"""Paths: what may be read and what may be written, checked before any work is done."""
+"""Check paths before any work is done: what may be read, and what may be written."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def check_input(path: Path, what: str) -> None:
     ----------
     path : Path
     what : str
-        What it should be, for the message.
+        Description of what it should be, for the message.
 
     Raises
     ------

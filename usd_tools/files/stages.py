@@ -1,4 +1,4 @@
-"""Stages: opened, and the files that they depend on."""
+"""Open stages, write layers, and list the files that they depend on."""
 
 from __future__ import annotations
 
@@ -81,12 +81,12 @@ def stage_sha256(stage: Usd.Stage) -> str:
 
 
 def missing_files(path: Path) -> list[str]:
-    """Name the files that a USD file is made of, but which are nowhere."""
+    """Return the names of the files that a USD file references but that cannot be found."""
     return _innermost(_dependencies(path)[2])
 
 
-def standing(path: Path, messages: Messages) -> str:
-    """Tell in a sentence without its dot which other files a USD file needs; warn of those that are nowhere."""
+def describe_dependencies(path: Path, messages: Messages) -> str:
+    """Return a sentence, without its dot, on the other files that a USD file needs; warn of those that are missing."""
     layers, assets, missing = _dependencies(path)
     if missing:
         messages.warn(f"{path} references files that cannot be found: {', '.join(_innermost(missing))}.")
@@ -97,7 +97,7 @@ def standing(path: Path, messages: Messages) -> str:
 
 
 def _innermost(names: Iterable[str]) -> list[str]:
-    """Names of files without their folders, and without the packages that they are in."""
+    """Return names of files without their folders, and without the packages that they are in."""
     return sorted({Path(Ar.SplitPackageRelativePathInner(name)[1] or name).name for name in names})
 
 

@@ -1,4 +1,4 @@
-"""What there is to learn from in a file: stretches of motion, cut where nothing leads from one sample to the next."""
+"""Take from an animation what can be learned from: stretches of motion between value blocks and steps."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from usd_tools.console.errors import ToolError
 from usd_tools.console.text import counted
 from usd_tools.files.stages import stage_sha256
 from usd_tools.skel.clip import SkelClip
-from usd_tools.skel.resampling import animation_of
+from usd_tools.skel.resampling import sampled_together
 
 MIN_SAMPLES = 4
 """Two segments, and a sample between keys to be rebuilt."""
 
 
 @dataclass(frozen=True, eq=False)
-class Take:
-    """Motion of one animation.
+class TrainingClip:
+    """Motion of one animation, to learn from.
 
     Parameters
     ----------
@@ -48,12 +48,12 @@ class Take:
     stretches: tuple[Animation, ...]
 
     def __str__(self) -> str:
-        """Name it."""
+        """Return the label."""
         return self.label
 
     @property
     def skeleton(self) -> Skeleton:
-        """Its skeleton."""
+        """Skeleton of all stretches."""
         return self.stretches[0].skeleton
 
     @property
@@ -62,10 +62,10 @@ class Take:
         return sum(stretch.n_frames for stretch in self.stretches)
 
 
-def take_of(path: Path, clip: SkelClip, alone: bool = True) -> Take:
-    """Find what there is to learn from in an animation.
+def training_clip(path: Path, clip: SkelClip, alone: bool = True) -> TrainingClip:
+    """Take from an animation what can be learned from.
 
-    Value blocks and stepped pairs cut it. Stretches that are too short or in which no joint turns are left out.
+    Stretches that are too short, or in which no joint turns, are left out.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def take_of(path: Path, clip: SkelClip, alone: bool = True) -> Take:
 
     Returns
     -------
-    take : Take
+    training : TrainingClip
 
     Raises
     ------
@@ -89,7 +89,7 @@ def take_of(path: Path, clip: SkelClip, alone: bool = True) -> Take:
     if channel is None or not channel.is_animated:
         raise ToolError(f"{path}: {clip.path} has no animated rotations, so there is nothing to learn.")
     stretches = _stretches(clip)
-    longest = max(stretch.n_frames for stretch in stretches)
+    longest = max((stretch.n_frames for stretch in stretches), default=1)
     if longest < MIN_SAMPLES:
         between = " between value blocks and steps" if len(stretches) > 1 else ""
         raise ToolError(
@@ -101,42 +101,36 @@ def take_of(path: Path, clip: SkelClip, alone: bool = True) -> Take:
         raise ToolError(f"{path}: no joint of {clip.path} turns, so there is nothing to learn.")
     label = path.name if alone else f"{path.name}, {clip.path}"
     sha256 = stage_sha256(clip.source.stage)
-    return Take(path.name, sha256, clip.path, label, clip.joints, moving)
+    return TrainingClip(path.name, sha256, clip.path, label, clip.joints, moving)
 
 
 def _stretches(clip: SkelClip) -> list[Animation]:
-    """Cut an animation where samples are blocked or stepped; keep the samples that rotations have."""
-    animation = animation_of(clip)
-    # the same division as in the animation, so that its times are found again exactly
-    times = clip.codes / clip.codes_per_second
-    place = np.searchsorted(times, animation.times)
-    cuts = np.flatnonzero((np.diff(place) > 1) | clip.steps[place[:-1]]) + 1
-    sampled = np.isin(animation.times, clip.channels["rotations"].codes / clip.codes_per_second)
-    frames = np.arange(animation.n_frames)
-    parts = (part[sampled[part]] for part in np.split(frames, cuts))
-    return [animation.at_frames(part) for part in parts if len(part)]
+    """Return the stretches of an animation, at the samples of its rotations."""
+    names = [name for name, channel in clip.channels.items() if channel.is_animated]
+    sampled = np.isin(clip.codes, clip.channels["rotations"].codes)
+    return [keys.at_frames(np.flatnonzero(sampled[span])) for span, keys in sampled_together(clip).stretches(names)]
 
 
-def difference(take: Take, first: Take) -> str | None:
-    """Tell how the rig of a take differs from the first's, or None if it has the same joints by name."""
-    own, wanted = set(take.skeleton.joints), set(first.skeleton.joints)
+def rig_difference(clip: TrainingClip, first: TrainingClip) -> str | None:
+    """Describe how the rig of a clip differs from the first's; None if it has the same joints by name."""
+    own, wanted = set(clip.skeleton.joints), set(first.skeleton.joints)
     if own == wanted:
         return None
     if not own & wanted:
-        return f"{take} has no joint in common with {first}"
+        return f"{clip} has no joint in common with {first}"
     words = []
     if wanted - own:
         words.append(f"lacks {len(wanted - own)} of {len(wanted)} joints, such as {min(wanted - own)}")
     if own - wanted:
         words.append(f"has {counted(len(own - wanted), 'other')}, such as {min(own - wanted)}")
-    return f"{take} has a different rig than {first}: it {', and '.join(words)}"
+    return f"{clip} has a different rig than {first}: it {', and '.join(words)}"
 
 
-def aligned(take: Take, joints: Sequence[str]) -> Take:
-    """Put the joints of a take into another order."""
-    place = {joint: i for i, joint in enumerate(take.skeleton.joints)}
+def with_joint_order(clip: TrainingClip, joints: Sequence[str]) -> TrainingClip:
+    """Put the joints of a clip into another order."""
+    place = {joint: i for i, joint in enumerate(clip.skeleton.joints)}
     order = np.array([place[joint] for joint in joints], dtype=np.intp)
-    return replace(take, stretches=tuple(_reordered(stretch, order) for stretch in take.stretches))
+    return replace(clip, stretches=tuple(_reordered(stretch, order) for stretch in clip.stretches))
 
 
 def _reordered(animation: Animation, order: np.ndarray) -> Animation:

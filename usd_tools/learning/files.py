@@ -1,4 +1,4 @@
-"""Many files to learn from: folders are searched, what cannot be read is named, and another rig is refused."""
+"""Collect what can be learned from of many files: search folders, name what cannot be read, refuse another rig."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from usd_tools.console.errors import Messages, ToolError
 from usd_tools.files.openusd_errors import reading
 from usd_tools.files.paths import EXTENSIONS, same_file
 from usd_tools.files.stages import open_stage
-from usd_tools.learning.clips import Take, aligned, difference, take_of
+from usd_tools.learning.clips import TrainingClip, rig_difference, training_clip, with_joint_order
 from usd_tools.learning.result import Skipped
 from usd_tools.skel.clip import SkelClip, read_clip
 from usd_tools.skel.find import find_animations, select_animations
 from usd_tools.skel.time_codes import left_sparse
-from usd_tools.skel.writer import TOOL
+from usd_tools.skel.writer import MADE_BY
 
 
-def files_in(inputs: Sequence[Path], messages: Messages) -> list[Path]:
+def find_files(inputs: Sequence[Path], messages: Messages) -> list[Path]:
     """Find the USD files that are named, and those in folders and in folders within them.
 
     Of a folder, hidden files are left out, and those that a tool of this package made: their motion is that of the
@@ -72,9 +72,9 @@ def _files_below(folder: Path, messages: Messages) -> list[Path]:
 def _is_made_by_us(path: Path) -> bool:
     try:
         layer = Sdf.Layer.OpenAsAnonymous(str(path), metadataOnly=True)
-    except Exception:  # whatever is wrong with it is told when it is read
+    except Exception:  # reading it will say what is wrong with it
         return False
-    return layer is not None and TOOL in layer.customLayerData
+    return layer is not None and MADE_BY in layer.customLayerData
 
 
 def read_clips(path: Path, prims: Sequence[str], messages: Messages, stage: Usd.Stage | None = None) -> list[SkelClip]:
@@ -99,38 +99,38 @@ def read_clips(path: Path, prims: Sequence[str], messages: Messages, stage: Usd.
     return clips
 
 
-def take_all(
+def training_clips(
     path: Path, clips: Sequence[SkelClip], messages: Messages
-) -> tuple[list[tuple[SkelClip, Take]], list[Skipped]]:
-    """Find what there is to learn from in a file; an animation without is named, and the rest goes on.
+) -> tuple[list[tuple[SkelClip, TrainingClip]], list[Skipped]]:
+    """Take from the animations of a file what can be learned from; warn of those that have nothing.
 
     Raises
     ------
     ToolError
         If none of them has anything.
     """
-    taken, skipped = [], []
+    found, skipped = [], []
     for clip in clips:
         try:
-            taken.append((clip, take_of(path, clip, alone=len(clips) == 1)))
+            found.append((clip, training_clip(path, clip, alone=len(clips) == 1)))
         except ToolError as error:
             if len(clips) == 1:
                 raise
             skipped.append(Skipped(path.name, str(error)))
             messages.warn(f"skipped: {error}")
-    if not taken:
+    if not found:
         raise ToolError(f"{path} has no animation to learn from.")
-    return taken, skipped
+    return found, skipped
 
 
-def gather(
+def collect_training_clips(
     files: Sequence[Path],
     prims: Sequence[str],
     skip_mismatched: bool,
     messages: Messages,
     advance: Callable[[float], None] = lambda amount: None,
-) -> tuple[list[Take], list[Skipped]]:
-    """Collect takes of one rig from files; stages are let go, so that memory holds only the motion.
+) -> tuple[list[TrainingClip], list[Skipped]]:
+    """Collect training clips of one rig from files; stages are released, so that memory holds only the motion.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def gather(
 
     Returns
     -------
-    takes : list of Take
+    clips : list of TrainingClip
         Joints in the order of the first.
     skipped : list of Skipped
 
@@ -156,27 +156,27 @@ def gather(
         If there is nothing to learn from, or an animation is of another rig and not to be skipped. If there is only
         one file, whatever is wrong with it.
     """
-    takes: list[Take] = []
+    collected: list[TrainingClip] = []
     skipped: list[Skipped] = []
     for path in files:
         try:
-            taken, lost = take_all(path, read_clips(path, prims, messages), messages)
+            found, lost = training_clips(path, read_clips(path, prims, messages), messages)
         except ToolError as error:
             if len(files) == 1:
                 raise
-            taken, lost = [], [Skipped(path.name, str(error))]
+            found, lost = [], [Skipped(path.name, str(error))]
             messages.warn(f"skipped: {error}")
         skipped += lost
-        for _, take in taken:
-            reason = difference(take, takes[0]) if takes else None
+        for _, clip in found:
+            reason = rig_difference(clip, collected[0]) if collected else None
             if reason is None:
-                takes.append(aligned(take, takes[0].skeleton.joints) if takes else take)
+                collected.append(with_joint_order(clip, collected[0].skeleton.joints) if collected else clip)
             elif skip_mismatched:
                 skipped.append(Skipped(path.name, f"{reason}."))
                 messages.warn(f"skipped: {reason}.")
             else:
                 raise ToolError(f"{reason}; leave it out, or add --skip-mismatched.")
         advance(1.0)
-    if not takes:
+    if not collected:
         raise ToolError(f"None of the {len(files)} files has an animation to learn from; see the warnings.")
-    return takes, skipped
+    return collected, skipped

@@ -14,8 +14,8 @@ from usd_tools.files.atomic import write_json, written_beside
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
 from usd_tools.files.paths import EXTENSIONS, check_output, same_file
 from usd_tools.files.stages import open_stage, stage_path
-from usd_tools.learning.clips import Take
-from usd_tools.learning.files import files_in, gather, read_clips, take_all
+from usd_tools.learning.clips import TrainingClip
+from usd_tools.learning.files import collect_training_clips, find_files, read_clips, training_clips
 from usd_tools.learning.options import LearnOptions
 from usd_tools.learning.result import TOOL, LearnResult, MetricReport, Skipped
 from usd_tools.learning.summary import describe, slerped_sentence
@@ -71,12 +71,12 @@ def _learn_json(
             raise ToolError(f"{option} is for a USD file, but --out is {out}; leave one of them out.")
     check_report(options.report, out)
     with usd_warnings(messages):
-        files = files_in(sources, messages)
+        files = find_files(sources, messages)
         for argument, path in (("--out", out), ("--report", options.report)):
             if path is not None and same_file(path, files):
                 raise ToolError(f"{argument} {path} is an input; choose another name.")
         read = Progress(progress, len(files), "Reading")
-        takes, skipped = gather(files, options.prim, options.skip_mismatched, messages, read.advance)
+        takes, skipped = collect_training_clips(files, options.prim, options.skip_mismatched, messages, read.advance)
         assessed = [_learn(takes, options, messages, progress)]
     with written_beside(out) as beside:
         beside.write_text(assessed[0].metric.to_json(), encoding="utf-8")
@@ -113,7 +113,7 @@ def _learn_each(
     path: Path, stage: Usd.Stage, options: LearnOptions, messages: Messages, progress: ProgressCallback | None
 ) -> tuple[list[SkelClip], list[AssessedMetric], list[Skipped]]:
     """Learn a metric for each animation of a stage that has something to learn from."""
-    taken, skipped = take_all(path, read_clips(path, options.prim, messages, stage), messages)
+    taken, skipped = training_clips(path, read_clips(path, options.prim, messages, stage), messages)
     if len(taken) > 1 and (options.folder or options.resume):
         raise ToolError(f"A folder holds one search, but {path} has {len(taken)} animations; choose one with --prim.")
     assessed = [_learn([take], options, messages, progress) for _, take in taken]
@@ -121,7 +121,7 @@ def _learn_each(
 
 
 def _learn(
-    takes: Sequence[Take], options: LearnOptions, messages: Messages, progress: ProgressCallback | None
+    takes: Sequence[TrainingClip], options: LearnOptions, messages: Messages, progress: ProgressCallback | None
 ) -> AssessedMetric:
     alone = sum(len(take.stretches) for take in takes) == 1
     if alone and options.search == "gradient" and (options.address or (options.cpus or 1) > 1):

@@ -16,7 +16,7 @@ from geomstats_anim.learning.assessment import assess
 from geomstats_anim.learning.tune.settings import TuneSettings
 from geomstats_anim.parameters import CurveParameters
 from usd_tools.console.errors import ToolError
-from usd_tools.learning.clips import Take
+from usd_tools.learning.clips import TrainingClip
 from usd_tools.learning.options import LearnOptions
 from usd_tools.metrics.explain import BY_JOINT, errors_by_joint
 
@@ -82,7 +82,7 @@ class AssessedMetric:
 
     Parameters
     ----------
-    takes : tuple of Take
+    takes : tuple of TrainingClip
     metric : LearnedMetric
         Its provenance says all that is here, in short.
     scores : tuple of Score
@@ -93,7 +93,7 @@ class AssessedMetric:
         Segments of single joints whose geodesic was not found, so that they are slerped.
     """
 
-    takes: tuple[Take, ...]
+    takes: tuple[TrainingClip, ...]
     metric: LearnedMetric
     scores: tuple[Score, ...]
     joints: tuple[JointError, ...]
@@ -122,13 +122,13 @@ class AssessedMetric:
 
 
 def learn_and_assess(
-    takes: Sequence[Take], options: LearnOptions, watch: Watch = lambda evaluations, value: None
+    takes: Sequence[TrainingClip], options: LearnOptions, watch: Watch = lambda evaluations, value: None
 ) -> AssessedMetric:
     """Learn one metric from takes of one rig, and assess it.
 
     Parameters
     ----------
-    takes : sequence of Take
+    takes : sequence of TrainingClip
         The same joints in the same order.
     options : LearnOptions
     watch : callable
@@ -155,7 +155,7 @@ def learn_and_assess(
     return AssessedMetric(tuple(takes), replace(metric, provenance=provenance), scores, joints, slerped)
 
 
-def _check_rate(takes: Sequence[Take], stretches: Sequence[Animation], options: LearnOptions) -> None:
+def _check_rate(takes: Sequence[TrainingClip], stretches: Sequence[Animation], options: LearnOptions) -> None:
     keys = [keyframes_of(stretch, options) for stretch in stretches]
     n_keys, n_frames = sum(map(len, keys)), sum(stretch.n_frames for stretch in stretches)
     where = str(takes[0]) if len(takes) == 1 else f"{len(takes)} animations"
@@ -211,7 +211,7 @@ def _by_joint(
 
 
 def _provenance(
-    takes: Sequence[Take],
+    takes: Sequence[TrainingClip],
     options: LearnOptions,
     metric: LearnedMetric,
     scores: Sequence[Score],

@@ -1,4 +1,4 @@
-"""The metric in a USD file: custom attributes on the SkelAnimation, and one line on each Skeleton."""
+"""Read and write the metric in a USD file: attributes on the SkelAnimation, and one line on each Skeleton."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def write_summary(spec: Sdf.PrimSpec, metric: LearnedMetric) -> None:
 
 
 def summary(metric: LearnedMetric) -> str:
-    """Tell a metric in one line."""
+    """Describe a metric in one line."""
     parameters = metric.parameters
     if not metric.joints:
         return "no joints"
@@ -194,7 +194,7 @@ def _attribute(spec: Sdf.PrimSpec, name: str, type_name: Sdf.ValueTypeName) -> S
 
 
 def _to_usd(entries: Mapping[str, Any], where: str) -> dict[str, Any]:
-    """Turn plain values into such as USD's dictionaries hold: lists become arrays of one type."""
+    """Turn plain values into those that USD's dictionaries hold: lists become arrays of one type."""
     converted: dict[str, Any] = {_ENTRIES: Vt.StringArray(list(entries))}
     for key, value in entries.items():
         if isinstance(value, Mapping):
@@ -215,7 +215,7 @@ def _to_usd(entries: Mapping[str, Any], where: str) -> dict[str, Any]:
 
 
 def _from_usd(entries: Mapping[str, Any]) -> dict[str, Any]:
-    """Turn what `_to_usd` made into plain values again."""
+    """Turn what `_to_usd` returned into plain values again."""
     converted: dict[str, Any] = {}
     names = entries.get(_ENTRIES)
     for key in names if isinstance(names, Vt.StringArray) else entries:

@@ -1,4 +1,4 @@
-"""What a metric means to an artist: about which axes each joint is stiff, in whose frame, and what it brings."""
+"""Explain a metric to an artist: about which axes each joint is stiff, in whose frame, and what it gains."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from geomstats_anim import LearnedMetric
 from geomstats_anim import rotations as quat
 from geomstats_anim.learned_metric import Score
 from geomstats_anim.rotations import Array
+from usd_tools.console.text import short_names
 
 BY_JOINT = "by_joint"
 """Entry of the provenance with one list a column: joints by name, since metrics are reordered and provenance is not."""
@@ -37,7 +38,7 @@ EXPLANATION = (
 
 @dataclass(frozen=True)
 class JointMeaning:
-    """What the metric of a joint means.
+    """Meaning of the metric of one joint.
 
     Parameters
     ----------
@@ -68,12 +69,12 @@ class JointMeaning:
 
     @property
     def ratio(self) -> float:
-        """Condition number: 1 is as slerp."""
+        """Condition number: 1 is slerp."""
         return max(self.moments)
 
     @property
     def is_slerp(self) -> bool:
-        """Whether the joint moves as slerp moves it."""
+        """Whether the joint moves as with slerp."""
         return self.ratio < AS_SLERP
 
     @property
@@ -83,13 +84,13 @@ class JointMeaning:
 
     @property
     def why_not(self) -> str:
-        """Why it makes none."""
+        """Why the metric makes no difference."""
         if not self.turns:
             return "do not turn"
         return "as slerp" if self.is_slerp else "no difference, as they turn about one axis or hardly at all"
 
     def axis(self, place: int) -> str:
-        """Name a principal axis."""
+        """Return the name of a principal axis."""
         tilt = self.tilts[place]
         return self.axes[place] if tilt <= UNTILTED else f"{self.axes[place]} ({tilt:.0f}° off)"
 
@@ -105,7 +106,7 @@ class JointMeaning:
 
 
 def joint_meanings(metric: LearnedMetric) -> list[JointMeaning]:
-    """Tell what the metric of each joint means.
+    """Explain the metric of each joint.
 
     Parameters
     ----------
@@ -143,7 +144,7 @@ def joint_meanings(metric: LearnedMetric) -> list[JointMeaning]:
 
 
 def errors_by_joint(joints: Sequence[str], degrees: Array, slerp_degrees: Array) -> dict[str, list[Any]]:
-    """Make the entry `BY_JOINT` of a metric's provenance: mean rotation errors of the joints that slerp does not find.
+    """Return the entry `BY_JOINT` of a metric's provenance: mean rotation errors of the joints that slerp misses.
 
     Parameters
     ----------
@@ -161,7 +162,7 @@ def errors_by_joint(joints: Sequence[str], degrees: Array, slerp_degrees: Array)
 
 
 def _known_errors(provenance: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
-    """Gain and slerp's error of each joint; empty if nobody has stored them, or not as `errors_by_joint` says."""
+    """Return gain and slerp's error of each joint; empty if they are not stored as `errors_by_joint` makes them."""
     try:
         stored = provenance[BY_JOINT]
         columns = (stored[name] for name in ("joints", "degrees", "slerp_degrees"))
@@ -172,9 +173,9 @@ def _known_errors(provenance: Mapping[str, Any]) -> dict[str, tuple[float, float
 
 
 def table_rows(meanings: Sequence[JointMeaning]) -> list[tuple[str, ...]]:
-    """Rows of a table with `HEADER`; joints on which the metric has no bearing share the last rows."""
-    ends = [_end(one.joint) for one in meanings]
-    rows = [_row(one, short=ends.count(_end(one.joint)) == 1) for one in meanings if one.matters]
+    """Return the rows of a table with `HEADER`; joints for which the metric does not matter share the last rows."""
+    names = short_names([one.joint for one in meanings])
+    rows = [_row(one, names[one.joint]) for one in meanings if one.matters]
     groups: dict[str, int] = {}
     for one in meanings:
         if not one.matters:
@@ -183,17 +184,13 @@ def table_rows(meanings: Sequence[JointMeaning]) -> list[tuple[str, ...]]:
     return rows
 
 
-def _end(joint: str) -> str:
-    return joint.rsplit("/", 1)[-1]
-
-
-def _row(meaning: JointMeaning, short: bool) -> tuple[str, ...]:
+def _row(meaning: JointMeaning, name: str) -> tuple[str, ...]:
     by_axis = sorted(zip(meaning.axes, meaning.moments, strict=True))
     gain = "not stored"
     if meaning.gain is not None and meaning.slerp_error is not None:
         gain = f"{meaning.gain:+.3f} of {meaning.slerp_error:.3f}"
     return (
-        _end(meaning.joint) if short else meaning.joint,
+        name,
         meaning.stiff,
         meaning.free,
         f"{meaning.ratio:.3g}",
@@ -203,19 +200,19 @@ def _row(meaning: JointMeaning, short: bool) -> tuple[str, ...]:
     )
 
 
-def described(meaning: JointMeaning) -> dict[str, Any]:
-    """Tell the same as plain values: the fields of `JointMeaning`, and stiff, free, ratio, matters."""
+def as_dict(meaning: JointMeaning) -> dict[str, Any]:
+    """Return plain values: the fields of `JointMeaning`, and stiff, free, ratio, matters."""
     names = ("stiff", "free", "ratio", "matters")
     return asdict(meaning) | {name: getattr(meaning, name) for name in names}
 
 
-def worth(provenance: Mapping[str, Any]) -> list[str]:
-    """Say what a stored metric was worth where it was learned, and where it was not.
+def describe_scores(provenance: Mapping[str, Any]) -> list[str]:
+    """Describe the scores of a stored metric where it was learned, and where it was not.
 
     Parameters
     ----------
     provenance : mapping
-        Of a metric that `learn` made; of others nothing is said.
+        Of a metric that `learn` made; for others there are no sentences.
 
     Returns
     -------

@@ -1,1 +1,1 @@
-"""Skeletal animation in USD: found, read, resampled, written."""
+"""Find, read, resample and write skeletal animation in USD."""

@@ -1,4 +1,4 @@
-"""Samples of one attribute of a SkelAnimation, bit for bit as they are in the file."""
+"""Read and write the samples of one attribute of a SkelAnimation, bit for bit as they are in the file."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ JOINT_CHANNELS = ("rotations", "translations", "scales")
 """Channels of which every joint has one element."""
 
 STEP_SECONDS = 1e-3
-"""Two samples nearer than this are a step: nothing is recorded at more than 1000 a second, but stepped keys are
-authored as a sample just before and one at the time of the change."""
+"""Two samples nearer than this are a step: nothing is recorded at more than 1000 samples per second, but stepped keys
+are authored as one sample just before the change and one at its time."""
 
 STEP_SHARE = 0.1
 """A step is also shorter than this share of the pause before or after it."""
 
 VALUE_CLIPS = "value clips"
-"""Source of samples that USD takes from other files one after the other."""
+"""Source of samples that USD takes from several files, one after the other."""
 
 
 @dataclass(frozen=True)
 class ChannelType:
-    """How an attribute holds its values: USD's type, numbers an element, what may be missing in NumPy."""
+    """Storage of an attribute: USD's type, numbers per element, type in NumPy."""
 
     value_type: Sdf.ValueTypeName
     array: Any
@@ -35,11 +35,11 @@ class ChannelType:
     dtype: type
 
     def to_numpy(self, value: Any) -> np.ndarray:
-        """Array, shape=[N, width], of a value."""
+        """Convert a value of USD to an array, shape=[N, width]."""
         return np.array(value, dtype=self.dtype).reshape(-1, self.width)
 
     def to_usd(self, values: np.ndarray) -> Any:
-        """USD's array of values, shape=[N, width]."""
+        """Convert an array, shape=[N, width], to a value of USD."""
         return self.array.FromNumpy(values[:, 0] if self.width == 1 else values)
 
 
@@ -179,7 +179,7 @@ def read_channel(prim: Usd.Prim, name: str, size: int) -> Channel | None:
 
 
 def _samples(attribute: Usd.Attribute) -> tuple[list[float], list[Any], str]:
-    """Time codes and values of an attribute's samples, and where they come from."""
+    """Return time codes and values of an attribute's samples, and where they come from."""
     codes = attribute.GetTimeSamples() if attribute else []
     if not codes:
         return [], [], ""
@@ -209,7 +209,7 @@ def _checked(prim: Usd.Prim, name: str, size: int, value: Any, code: float | Non
 
 
 def step_pairs(codes: np.ndarray, codes_per_second: float) -> np.ndarray:
-    """Which gaps between samples are steps: too short to be motion.
+    """Find the gaps between samples that are steps: too short to be motion.
 
     Parameters
     ----------

@@ -87,7 +87,7 @@ class SkelClip:
 
     @property
     def steps(self) -> np.ndarray:
-        """Which gaps between `codes` are steps and not motion, shape=[K - 1]."""
+        """Whether each gap between `codes` is a step and not motion, shape=[K - 1]."""
         return step_pairs(self.codes, self.codes_per_second)
 
     def samples_per_second(self, codes: np.ndarray | None = None) -> float:
@@ -259,7 +259,7 @@ def _missing_note(clip: SkelClip, absent: Sequence[str]) -> str:
 
 
 def _binding_notes(clip: SkelClip) -> list[str]:
-    """Say that an animation has no joint of the skeleton that it drives."""
+    """Return a note on an animation that has no joint of the skeleton that it drives."""
     joints, skeletons = clip.joints, clip.source.skeletons
     own = read_names(skeletons[0], "joints") if skeletons else ()
     if not own or not joints or set(own) & set(joints):
@@ -271,7 +271,7 @@ def _binding_notes(clip: SkelClip) -> list[str]:
 
 
 def _composition_notes(clip: SkelClip) -> list[str]:
-    """Say what samples that are written over an animation hide."""
+    """Return notes on what samples that are written over an animation hide."""
     notes = []
     if clip.is_animated:
         notes += [

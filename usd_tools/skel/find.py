@@ -1,4 +1,4 @@
-"""Which animations are on a stage, which of them a command works on, and which variants they come from."""
+"""Find the animations of a stage, those that a command works on, and the variants that they come from."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def find_animations(stage: Usd.Stage) -> list[AnimationSource]:
 
 
 def _shared_path(prim: Usd.Prim) -> Sdf.Path:
-    """Path that is the same for all instances of a prim."""
+    """Return the path that is the same for all instances of a prim."""
     return (prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim).GetPath()
 
 

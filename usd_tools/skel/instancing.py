@@ -1,4 +1,4 @@
-"""Where an opinion on an animation counts, if the animation is inside an instance: what is said in there does not."""
+"""Find the prims on which an opinion on an animation counts: inside an instance, none does."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Layer(Protocol):
 
 
 def editable_paths(layer: Layer, source: AnimationSource, messages: Messages) -> list[Sdf.Path]:
-    """Find, or make, the prims of a layer on which samples of an animation count.
+    """Find or make the prims of a layer on which samples of an animation count.
 
     The prim itself, if it is in no instance. Otherwise the prim that the instances are made of, if the stage's own
     layers have it at the same times; a new SkelAnimation beside the instance, if the skeletons take their animation
@@ -63,7 +63,7 @@ def editable_paths(layer: Layer, source: AnimationSource, messages: Messages) ->
 
 
 def _instance_root(prim: Usd.Prim) -> Usd.Prim:
-    """Outermost instance that a prim is in."""
+    """Return the outermost instance that a prim is in."""
     ancestors = (prim.GetStage().GetPrimAtPath(path) for path in prim.GetPath().GetPrefixes())
     return next(ancestor for ancestor in ancestors if ancestor.IsInstance())
 

@@ -1,4 +1,4 @@
-"""Names of joints in a file: read, and made from free text."""
+"""Read names of joints from a file, and make them from free text."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def joint_paths(names: Sequence[str], parents: Sequence[int]) -> list[str]:
 
 
 def unique(names: Sequence[str]) -> list[str]:
-    """Tell names apart that repeat: the second ends in _1, the third in _2; names that are taken are passed over."""
+    """Make names unique: the second ends in _1, the third in _2; names that are taken are passed over."""
     taken, told_apart = set(names), []
     seen: set[str] = set()
     for name in names:

@@ -1,4 +1,4 @@
-"""Where a command's result goes: a layer over the source, one flattened file, or the source itself."""
+"""Write a command's result: a layer over the source, one flattened file, or the source itself."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def _are_whole(frames: np.ndarray) -> bool:
 
 @dataclass(frozen=True)
 class Output:
-    """Where the result goes.
+    """Destination of a command's result.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ class Output:
 
 
 def _is_in_root_layer(source: AnimationSource) -> bool:
-    """Whether all that is said of an animation is said in the layer that was opened."""
+    """Whether all opinions on an animation are in the layer that was opened."""
     layers = {spec.layer for spec in source.prim.GetPrimStack()}
     root = source.stage.GetRootLayer()
     return layers == {root} and not source.prim.IsInstanceProxy() and not root.GetFileFormat().IsPackage()

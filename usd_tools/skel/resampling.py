@@ -1,4 +1,4 @@
-"""Where new samples go, and what is in them: keys bit for bit, in-betweens from a scheme of `geomstats_anim`."""
+"""Place new samples and fill them: keys bit for bit, in-betweens from a scheme of `geomstats_anim`."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SNAP_OF_FRAME = 1e-2
 
 
 def subdivided(clip: SkelClip, factor: int) -> np.ndarray:
-    """Time codes of the samples of a clip, with every gap that is not a step cut into equal parts.
+    """Return the time codes of a clip's samples, with every gap that is not a step cut into equal parts.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def resample(
     scheme : str
         A name in `SCHEMES`. Blend shape weights are always interpolated linearly.
     metric : LearnedMetric
-        Joints of the skeleton of which it knows nothing get the identity.
+        Joints of the skeleton for which it has no entry get the identity.
         Optional, default: the bi-invariant metric.
     advance : callable
         Told the share of the work done since it was called last.

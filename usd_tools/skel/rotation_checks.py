@@ -1,4 +1,4 @@
-"""How far joints turn from one sample to the next, and what else in a file makes interpolation doubtful."""
+"""Measure the turns from sample to sample, and count what else in a file makes interpolation doubtful."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ class RotationStep:
     degrees: float
 
     def __str__(self) -> str:
-        """Tell it in words."""
+        """Describe it in words."""
         return f"joint {self.joint} turns {self.degrees:.1f} degrees from time code {self.start:g} to {self.end:g}"
 
 
 def rotation_steps(clip: SkelClip) -> np.ndarray:
-    """Measure how far every joint turns in every step.
+    """Measure the turn of every joint from each sample to the next.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How many bytes the kept samples of a clip take, the metric that rebuilds the others included."""
+"""Count the bytes of a clip's kept samples, and of the metric that rebuilds the others."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def bytes_numpy(keys: Sequence[Animation], metric: LearnedMetric | None) -> int:
     """Count bytes as the papers do: the sum of the sizes of NumPy files.
 
     They are the rotations as quaternions and the translations of all joints, and of a metric each array of parameters;
-    float32, sides as one byte a joint.
+    float32, sides as one byte per joint.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def _metric_arrays(metric: LearnedMetric | None) -> list[np.ndarray]:
     if metric is None:
         return []
     values = (*vars(metric).values(), *vars(metric.parameters).values())
-    # no tension at all is said by the scheme
+    # the scheme says that there is no tension
     arrays = [value for value in values if isinstance(value, np.ndarray) and value.any()]
     return [array.astype(np.float32) for array in arrays] + [metric.parameters.is_right]
 
@@ -60,7 +60,7 @@ def _npy_size(array: np.ndarray) -> int:
 
 
 def bytes_usdc(keys: Sequence[Animation], metric: LearnedMetric | None) -> int:
-    """Size of a usdc file that holds one SkelAnimation with the kept samples, and its metric.
+    """Return the size of a usdc file that holds one SkelAnimation with the kept samples, and its metric.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def bytes_usdc(keys: Sequence[Animation], metric: LearnedMetric | None) -> int:
 
 
 def clip_bytes_usdc(clip: SkelClip, metric: LearnedMetric | None, source_codes: np.ndarray | None) -> int:
-    """Size of a usdc file that holds a clip's SkelAnimation alone, as it is.
+    """Return the size of a usdc file that holds a clip's SkelAnimation alone, as it is.
 
     Parameters
     ----------

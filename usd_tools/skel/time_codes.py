@@ -1,4 +1,4 @@
-"""Time codes of an animation's source, which a sparse animation stores."""
+"""Find the time codes that a command asks for, those of a downsampled animation's source among them."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def clips_with_source_codes(clips: Sequence[SkelClip], messages: Messages) -> li
 
 
 def left_sparse(clip: SkelClip) -> list[str]:
-    """Note on an animation that `usd_tools.downsample` made sparse and nobody has rebuilt; none on others."""
+    """Return a note on an animation that `usd_tools.downsample` made sparse and nobody has rebuilt; none on others."""
     stored = _source_codes(clip)
     n_kept = min((len(channel.codes) for channel in clip.channels.values() if channel.is_animated), default=0)
     if stored is None or len(stored[0]) <= n_kept:
@@ -66,7 +66,7 @@ def left_sparse(clip: SkelClip) -> list[str]:
 
 
 def _source_codes(clip: SkelClip) -> tuple[np.ndarray, int] | None:
-    """Time codes at which a clip's source had samples, within its range, and how many of its own are among them."""
+    """Return the time codes of a source's samples in a clip's range, and how many of the clip's are among them."""
     codes = read_source_codes(clip.source.prim)
     if codes is None or not len(clip.codes):
         return None

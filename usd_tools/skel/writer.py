@@ -1,4 +1,4 @@
-"""From resampled clips to a USD file: an override layer over the source, or one flattened file."""
+"""Write animations to a USD file: an override layer over the source, or one flattened file."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from usd_tools.skel.channels import CHANNELS, Channel, write_samples
 from usd_tools.skel.find import AnimationSource
 from usd_tools.skel.instancing import editable_paths
 
-TOOL = "geomstats_anim"
+MADE_BY = "geomstats_anim"
 """Key of `customLayerData` that says what made a file."""
 
 _NOT_COPIED = {
@@ -40,8 +40,8 @@ _NOT_COPIED = {
 
 
 def made_by(tool: str, settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Entry of `customLayerData` that says what made a file: tool, version and settings, plain values."""
-    return {TOOL: {"tool": tool, "version": __version__, "settings": dict(settings)}}
+    """Return the entry of `customLayerData` that says what made a file: tool, version and settings, plain values."""
+    return {MADE_BY: {"tool": tool, "version": __version__, "settings": dict(settings)}}
 
 
 class AnimationLayer:
@@ -252,7 +252,7 @@ def save_layer(layer: Sdf.Layer, out: Path, usd_format: str | None = None) -> No
 
 
 def _flatten_override(override: Sdf.Layer, source: Path, folder: Path, context: Ar.ResolverContext) -> Sdf.Layer:
-    """Everything in one layer, with the files that it needs named as seen from a folder."""
+    """Flatten an override and its source into one layer, with the files that it needs named as seen from a folder."""
     override.subLayerPaths = [os.path.abspath(source)]
     layer = flatten_stage(Usd.Stage.Open(override, context))
     for key in sorted(override.pseudoRoot.ListInfoKeys()):
@@ -263,7 +263,7 @@ def _flatten_override(override: Sdf.Layer, source: Path, folder: Path, context: 
 
 
 def _context(path: Path) -> Ar.ResolverContext:
-    """How OpenUSD finds what is named when it opens a file: names without a dot may count from that file's folder."""
+    """Return the context in which OpenUSD opens a file: names without a dot may count from that file's folder."""
     return Ar.GetResolver().CreateDefaultContextForAsset(os.path.abspath(path))
 
 

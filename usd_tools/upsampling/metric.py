@@ -160,7 +160,7 @@ def learn_from_clip(
         If nothing can be learned for the scheme.
     """
     from usd_tools.console.progress import SearchProgress
-    from usd_tools.learning.clips import take_of
+    from usd_tools.learning.clips import training_clip
     from usd_tools.learning.options import LearnOptions
     from usd_tools.learning.train import learn_and_assess
 
@@ -170,7 +170,7 @@ def learn_from_clip(
         )
     options = LearnOptions(rate=LEARNING_RATE, purpose="predict", scheme=scheme or DEFAULT_SCHEME)
     try:
-        found = learn_and_assess([take_of(path, clip)], options, SearchProgress(progress, None).watch)
+        found = learn_and_assess([training_clip(path, clip)], options, SearchProgress(progress, None).watch)
     except ToolError as error:
         messages.warn(f"{str(error).rstrip('.')}; the identity is used.")
         return LearnedMetric.plain(clip.joints, options.scheme), ""

@@ -14,7 +14,7 @@ from usd_tools.console.errors import Messages, ToolError, UsageError
 from usd_tools.console.progress import Progress, ProgressCallback
 from usd_tools.files.atomic import write_json
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
-from usd_tools.files.stages import open_stage, stage_path, standing
+from usd_tools.files.stages import describe_dependencies, open_stage, stage_path
 from usd_tools.skel import output
 from usd_tools.skel.clip import SkelClip, read_clip
 from usd_tools.skel.edit_target import EditTargetLayer
@@ -68,7 +68,7 @@ def upsample_file(
     advice, dependencies = "", ""
     if not options.dry_run:
         advice = _advice(stage, clips, rate, options.retime)
-        dependencies = f"{standing(target.path, messages)}." if options.flatten else ""
+        dependencies = f"{describe_dependencies(target.path, messages)}." if options.flatten else ""
     result = UpsampleResult(
         source.name,
         None if options.dry_run else target.path,

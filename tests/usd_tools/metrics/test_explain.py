@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geomstats_anim import LearnedMetric, MetricParameters
-from usd_tools.metrics.explain import joint_meanings, table_rows, worth
+from usd_tools.metrics.explain import describe_scores, joint_meanings, table_rows
 
 
 def metric(alpha, beta, axes=None, invariance="left", **provenance):
@@ -53,9 +53,9 @@ def test_what_matters_comes_first_and_the_rest_is_counted():
 
 def test_worth():
     unseen = {"what": ["second half"], "scores": [2.0], "slerp_scores": [1.0], "plain_scores": [1.5]}
-    assert worth({"score": 1.0, "slerp_score": 2.0, "plain_score": 2.0, "out_of_sample": unseen}) == [
+    assert describe_scores({"score": 1.0, "slerp_score": 2.0, "plain_score": 2.0, "out_of_sample": unseen}) == [
         "In-sample: +50.0 %, beats slerp.",
         "Out-of-sample, second half: -100.0 %, loses to slerp.",
     ]
     for provenance in ({}, {"styles": ["*:alpha=4"]}, {"score": "x", "slerp_score": 1.0, "out_of_sample": unseen}):
-        assert worth(provenance) == []
+        assert describe_scores(provenance) == []

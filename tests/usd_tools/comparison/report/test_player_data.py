@@ -12,7 +12,7 @@ from usd_tools.comparison.cells import Contender, cells, measure
 from usd_tools.comparison.report import player_data as player
 from usd_tools.comparison.report.scenes import Bones, flattened, scenes, upright
 from usd_tools.comparison.results import named
-from usd_tools.learning.clips import take_of
+from usd_tools.learning.clips import training_clip
 from usd_tools.skel.clip import read_clip
 from usd_tools.skel.find import find_animations
 
@@ -28,7 +28,7 @@ def compared(tmp_path):
     def make(**rest):
         stage = make_rig(tmp_path / "in.usda", codes=range(16), rotations=random_rotations(16, 3), **rest)
         clip = read_clip(find_animations(stage)[0])
-        return named([(tmp_path / "in.usda", clip, take_of(tmp_path / "in.usda", clip))])[0]
+        return named([(tmp_path / "in.usda", clip, training_clip(tmp_path / "in.usda", clip))])[0]
 
     return make
 
