@@ -6,34 +6,137 @@ python -m usd_tools.upsample walk_small.usdc -o walk_back.usda --times source
 
 from __future__ import annotations
 
-import argparse
+import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
-from pxr import Usd
-
-from geomstats_anim import SCHEMES, __version__
-from geomstats_anim.names import CRITERIA, FAMILIES, SELECTIONS, WITH_METRIC
+from geomstats_anim.names import CRITERIA, DEFAULT_SCHEME, FAMILIES, SCHEME_NAMES, SELECTIONS, WITH_METRIC
 from usd_tools.console.arguments import add_output, add_prim, positive_number, share, time_codes, whole_number
-from usd_tools.console.errors import Messages, ToolError, print_warning, run
-from usd_tools.console.options import OutputOptions
+from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
-from usd_tools.console.progress import ProgressBar, SearchProgress
-from usd_tools.downsampling import summary as downsample_report
-from usd_tools.downsampling.reduce import Reduced, Wanted, reduce_clip, verified
-from usd_tools.files.atomic import write_json
-from usd_tools.files.openusd_errors import openusd_errors, reading, usd_unheard, usd_warnings
-from usd_tools.files.paths import check_output, same_file
-from usd_tools.files.stages import open_stage
-from usd_tools.skel.clip import read_clip
-from usd_tools.skel.find import find_animations, select_animations
-from usd_tools.skel.output import Output
+from usd_tools.console.progress import ProgressBar, ProgressCallback
+from usd_tools.downsampling.options import DownsampleOptions
+from usd_tools.downsampling.result import DownsampledAnimation, DownsampleResult
 
-TOOL = "usd_tools.downsample"
+if TYPE_CHECKING:
+    from pxr import Usd
+
+__all__ = [
+    "DownsampleOptions",
+    "DownsampleResult",
+    "DownsampledAnimation",
+    "downsample",
+    "downsample_stage",
+    "main",
+    "parser",
+]
 
 PROG = "python -m usd_tools.downsample"
+
+
+def downsample(
+    source: str | os.PathLike[str],
+    out: str | os.PathLike[str] | None,
+    options: DownsampleOptions,
+    *,
+    progress: ProgressCallback | None = None,
+    warn: Callable[[str], None] | None = None,
+) -> DownsampleResult:
+    """Keep few samples of the skeletal animation of a USD file, and the metric that rebuilds the others.
+
+    Parameters
+    ----------
+    source : path
+        USD file.
+    out : path or None
+        USD file to write; None with `in_place`.
+    options : DownsampleOptions
+    progress : callable
+        Called with the work done, all the work (None if nobody knows), and a text.
+        Optional, default: nobody is told.
+    warn : callable
+        Called with each warning as it comes; all are in the result.
+        Optional, default: nobody is told.
+
+    Returns
+    -------
+    result : DownsampleResult
+
+    Raises
+    ------
+    UsageError
+        If the output is not named.
+    ToolError
+        If something is wrong with the file, the options do not fit it, or what would be written does not hold the
+        tolerance; nothing is written then.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from pxr import Gf, Usd, UsdSkel
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> stage = Usd.Stage.CreateNew(str(folder / "turn.usda"))
+    >>> turn = UsdSkel.Animation.Define(stage, "/Turn")
+    >>> _ = turn.CreateJointsAttr(["arm"])
+    >>> for code in range(11):
+    ...     _ = turn.CreateRotationsAttr().Set([Gf.Quatf(Gf.Rotation((1, 0, 0), 9 * code).GetQuat())], code)
+    >>> stage.Save()
+    >>> result = downsample(folder / "turn.usda", folder / "out.usda", DownsampleOptions(rate=0.2))
+    >>> result.animations[0].samples, result.animations[0].kept_time_codes
+    (11, (0.0, 10.0))
+    """
+    from usd_tools.downsampling.run import downsample_file
+
+    return downsample_file(Path(source), None if out is None else Path(out), options, progress, warn)
+
+
+def downsample_stage(
+    stage: Usd.Stage,
+    options: DownsampleOptions,
+    *,
+    progress: ProgressCallback | None = None,
+    warn: Callable[[str], None] | None = None,
+) -> DownsampleResult:
+    """Keep few samples of the skeletal animation of an open stage, in the layer of its edit target.
+
+    The samples that are left hide those of weaker layers, which stay there.
+
+    Parameters
+    ----------
+    stage : Usd.Stage
+    options : DownsampleOptions
+        Those about files are not used.
+    progress, warn : callable
+        See `downsample`.
+
+    Returns
+    -------
+    result : DownsampleResult
+
+    Raises
+    ------
+    ToolError
+        If something is wrong with the stage, the options do not fit it, or stronger opinions would hide what is
+        written; the layer is as it was then.
+
+    Examples
+    --------
+    >>> from pxr import Gf, Usd, UsdSkel
+    >>> stage = Usd.Stage.CreateInMemory()
+    >>> turn = UsdSkel.Animation.Define(stage, "/Turn")
+    >>> _ = turn.CreateJointsAttr(["arm"])
+    >>> for code in range(11):
+    ...     _ = turn.CreateRotationsAttr().Set([Gf.Quatf(Gf.Rotation((1, 0, 0), 9 * code).GetQuat())], code)
+    >>> _ = downsample_stage(stage, DownsampleOptions(rate=0.2))
+    >>> turn.GetRotationsAttr().GetTimeSamples()
+    [0.0, 10.0]
+    """
+    from usd_tools.downsampling.run import downsample_open_stage
+
+    return downsample_open_stage(stage, options, progress, warn)
 
 
 def parser(prog: str = PROG) -> ArgumentParser:
@@ -46,6 +149,19 @@ def parser(prog: str = PROG) -> ArgumentParser:
     )
     parse.add_argument("input", metavar="IN", type=Path, help="USD file")
     parse.add_argument("-o", "--out", metavar="OUT", type=Path, help="USD file to write")
+    _add_choice(parse)
+    _add_metric(parse)
+    add_prim(parse)
+    add_output(parse)
+    parse.add_argument("--report", metavar="FILE", type=Path, help="write all errors, joint by joint, as JSON")
+    parse.add_argument(
+        "--picture", metavar="FILE", type=Path, help="draw the samples kept over the motion's speed: .png, .svg or .pdf"
+    )
+    parse.add_argument("-v", "--verbose", action="store_true", help="print the errors of every joint")
+    return parse
+
+
+def _add_choice(parse: ArgumentParser) -> None:
     how_many = parse.add_mutually_exclusive_group(required=True)
     how_many.add_argument("--rate", metavar="S", type=share, help="share of the samples to keep, above 0 and below 1")
     how_many.add_argument("--keys", metavar="K", type=whole_number, help="number of samples to keep, of each animation")
@@ -66,10 +182,13 @@ def parser(prog: str = PROG) -> ArgumentParser:
         help="samples that must stay: time codes with commas between them, or a text file of them; say '--keep=-7,-3' "
         "where the first is below zero",
     )
+
+
+def _add_metric(parse: ArgumentParser) -> None:
     parse.add_argument(
         "--scheme",
-        choices=list(SCHEMES),
-        default="geodesic-spline",
+        choices=SCHEME_NAMES,
+        default=DEFAULT_SCHEME,
         help="what rebuilds the rest; default: %(default)s",
     )
     parse.add_argument(
@@ -84,123 +203,23 @@ def parser(prog: str = PROG) -> ArgumentParser:
         help="what --rate and --keys make least: distances of bone ends (loc), angles of joints (rot), half of each "
         "(hyb, the default), or the largest distance (max), which is what --tolerance is about",
     )
-    add_prim(parse)
-    add_output(parse)
-    parse.add_argument("--report", metavar="FILE", type=Path, help="write all errors, joint by joint, as JSON")
-    parse.add_argument(
-        "--picture", metavar="FILE", type=Path, help="draw the samples kept over the motion's speed: .png, .svg or .pdf"
-    )
-    parse.add_argument("-v", "--verbose", action="store_true", help="print the errors of every joint")
-    return parse
 
 
 def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
     """Run the command and return its exit code."""
     parse = parser(prog)
     args = parse.parse_args(argv)
-    if args.out is None and not args.in_place:
-        parse.error("name the output with -o/--out")
-    if args.tolerance is not None and args.kind not in (None, "max"):
-        parse.error(f"--kind {args.kind} goes with --rate or --keys; --tolerance is about the largest distance")
-    if args.keep is not None and args.select == "uniform":
-        parse.error("--keep goes with --select optimal; uniform samples are where they are")
-    if args.family is not None and args.scheme not in WITH_METRIC:
-        parse.error(f"--scheme {args.scheme} has no metric, so it has no family; leave out --family {args.family}")
-    return run(lambda: downsample(args))
 
+    def command() -> int:
+        options = DownsampleOptions.from_args(args)
+        with ProgressBar() as bar:
+            result = downsample(args.input, args.out, options, progress=bar, warn=print_warning)
+        from usd_tools.downsampling.summary import print_summary
 
-@openusd_errors()
-def downsample(args: argparse.Namespace) -> int:
-    """Do what the arguments say."""
-    messages = Messages(print_warning)
-    target = Output(args.input, args.out, OutputOptions.from_args(args))
-    target.check()
-    _check_picture(args, target)
-    with usd_warnings(messages):
-        stage = open_stage(args.input)
-    target.check_layers(stage)
-    size_before = args.input.stat().st_size
-    with usd_warnings(messages), reading(args.input):
-        sources = select_animations(args.input, find_animations(stage), args.prim)
-        target = target.without_source(sources)
-        wanted = Wanted.of(args)
-        reduced = []
-        for source in sources:
-            with ProgressBar() as bar:
-                progress = SearchProgress(bar, None)
-                reduced.append(reduce_clip(args.input, read_clip(source), wanted, messages, progress.watch))
-        moving = [each for each in reduced if each is not None]
-        if not moving:
-            raise ToolError(f"{args.input} has no skeletal animation with two samples or more to choose from.")
-        _write(args, target, stage, moving, messages)
-    with usd_unheard():  # the source has told what is wrong
-        checked = verified(target.path, moving, wanted)
-    described = [downsample_report.described(each) for each in checked]
-    for each, values in zip(checked, described, strict=True):
-        downsample_report.tell(each.clip, values, args.verbose)
-        if args.tolerance is not None:
-            downsample_report.warn_of_twists(values, args.tolerance, messages)
-    downsample_report.tell_file(args.input, size_before, target.path, messages)
-    if args.picture is not None:
-        downsample_report.draw(checked, args.picture)
-    if args.report is not None:
-        write_json(args.report, _report(args, target, size_before, described, messages))
-    return 0
+        print_summary(result, args.input, args.verbose)
+        return 0
 
-
-def _check_picture(args: argparse.Namespace, target: Output) -> None:
-    if args.picture is None:
-        return
-    if args.picture.suffix not in downsample_report.PICTURES:
-        raise ToolError(f"--picture {args.picture}: the name must end in {', '.join(downsample_report.PICTURES)}.")
-    check_output(args.picture, "--picture")
-    others = [path for path in (args.input, target.path, args.report) if path is not None]
-    if same_file(args.picture, others) or args.picture.resolve() in [other.resolve() for other in others]:
-        raise ToolError(f"--picture {args.picture} is the input or another output; choose another name.")
-
-
-def _write(
-    args: argparse.Namespace, target: Output, stage: Usd.Stage, reduced: Sequence[Reduced], messages: Messages
-) -> None:
-    layer = target.layer(stage, TOOL, _settings(args), messages)
-    for each in reduced:
-        sampled = {name: channel for name, channel in each.sparse.channels.items() if len(channel.codes)}
-        constant = {name: each.sparse.channels[name].default for name in each.sparse.channels if name not in sampled}
-        source = each.clip.source
-        layer.write_animation(
-            source, sampled, {**each.clip.missing, **constant}, each.metric, messages, each.clip.codes
-        )
-    target.save(layer)
-
-
-def _settings(args: argparse.Namespace) -> dict[str, Any]:
-    """Arguments that say what was done, as plain values without paths of this machine."""
-    settings = {
-        word: getattr(args, word) for word in ("rate", "keys", "tolerance", "select", "scheme", "family", "kind")
-    }
-    settings |= {"keep": None if args.keep is None else args.keep.text, "prim": " ".join(args.prim) or None}
-    return {name: value for name, value in settings.items() if value is not None}
-
-
-def _report(
-    args: argparse.Namespace,
-    target: Output,
-    size_before: int,
-    animations: Sequence[dict[str, Any]],
-    messages: Messages,
-) -> dict[str, Any]:
-    """Tell what was done, as plain values."""
-    return {
-        "tool": TOOL,
-        "version": __version__,
-        "source": args.input.name,
-        "output": target.path.name,
-        "settings": _settings(args),
-        "file_bytes_before": size_before,
-        "file_bytes_after": target.path.stat().st_size,
-        "animations": list(animations),
-        "warnings": messages.warnings,
-    }
+    return run(command, parse.error)
 
 
 if __name__ == "__main__":

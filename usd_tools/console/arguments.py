@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import index
 from pathlib import Path
 
 
@@ -41,10 +43,10 @@ def _number(text: str) -> float:
         return math.nan
 
 
-def _whole_number(text: str, least: int) -> int:
+def _whole_number(text: str | int, least: int) -> int:
     try:
-        number = int(text)
-    except ValueError:
+        number = int(text) if isinstance(text, str) else index(text)
+    except (ValueError, TypeError):
         number = least - 1
     if number < least:
         raise argparse.ArgumentTypeError(f"must be a whole number of at least {least}, not {text!r}")
@@ -83,6 +85,10 @@ class TimeCodes:
     codes: tuple[float, ...] | None
     text: str
 
+    def __str__(self) -> str:
+        """Write them as they were given."""
+        return self.text
+
 
 def time_codes(text: str) -> TimeCodes:
     """Parse numbers separated by commas, the name of a text file of numbers, or `SOURCE`."""
@@ -98,6 +104,15 @@ def time_codes(text: str) -> TimeCodes:
         raise argparse.ArgumentTypeError(
             f"must be comma-separated numbers or a file of numbers, not {text!r}"
         ) from None
+
+
+def as_time_codes(value: str | TimeCodes | Sequence[float]) -> TimeCodes:
+    """Take time codes as a program gives them: numbers, or what `time_codes` parses."""
+    if isinstance(value, TimeCodes):
+        return value
+    if not isinstance(value, str):
+        value = ",".join(repr(float(code)).removesuffix(".0") for code in value)
+    return time_codes(value)
 
 
 def _numbers(text: str) -> tuple[float, ...]:

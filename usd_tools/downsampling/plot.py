@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomstats_anim.kinematics import world_pose
-from usd_tools.downsampling.reduce import Reduced
+from usd_tools.downsampling.reduce import DownsampledClip
 from usd_tools.figures.style import FAINT, INK, look
 from usd_tools.skel.resampling import animation_of
 
@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def draw_kept(reduced: Sequence[Reduced]) -> Figure:
+def draw_kept(clips: Sequence[DownsampledClip]) -> Figure:
     """Draw a panel of speed and one of error for each animation.
 
     Parameters
     ----------
-    reduced : sequence of Reduced
+    clips : sequence of DownsampledClip
 
     Returns
     -------
@@ -29,9 +29,9 @@ def draw_kept(reduced: Sequence[Reduced]) -> Figure:
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(9.0, 4.4 * len(reduced)), layout="constrained")
-    panels = figure.subplots(2 * len(reduced), 1, squeeze=False, height_ratios=[3.0, 1.6] * len(reduced))[:, 0]
-    for number, each in enumerate(reduced):
+    figure = Figure(figsize=(9.0, 4.4 * len(clips)), layout="constrained")
+    panels = figure.subplots(2 * len(clips), 1, squeeze=False, height_ratios=[3.0, 1.6] * len(clips))[:, 0]
+    for number, each in enumerate(clips):
         speed_panel, error_panel = panels[2 * number : 2 * number + 2]
         truth = animation_of(each.clip)
         ends = world_pose(truth).ends

@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-import argparse
-import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pxr import Usd
 
 from geomstats_anim import Animation, LearnedMetric, __version__, compress, interpolate, quality, uniform_keyframes
 from geomstats_anim.criteria import location_errors
 from geomstats_anim.keyframes.problem import KeyProblem, by_halving
 from geomstats_anim.learning.compression import Compressed
 from geomstats_anim.names import LARGEST
-from usd_tools.console.arguments import TimeCodes
 from usd_tools.console.errors import Messages, ToolError
-from usd_tools.downsampling.thinning import Errors, Thinning, restored, sampled_alike
-from usd_tools.files.stages import open_stage
+from usd_tools.downsampling.options import DownsampleOptions
+from usd_tools.downsampling.thinning import Errors, SampleSelection, restored, sampled_alike
+from usd_tools.files.stages import stage_sha256
 from usd_tools.metrics.attributes import read_metric, read_source_codes
 from usd_tools.metrics.explain import BY_JOINT, errors_by_joint
 from usd_tools.skel.clip import SkelClip, read_clip
@@ -32,48 +31,13 @@ _ROUNDING = 1e-2
 _ROUNDING_METRES = 5e-6
 
 
-@dataclass(frozen=True)
-class Wanted:
-    """How many samples to keep, and what to choose them by; the words are those of the command line.
-
-    Parameters
-    ----------
-    rate : float or None
-    keys : int or None
-    tolerance : float or None
-        Centimetres.
-    select, scheme : str
-    family, kind : str or None
-    keep : TimeCodes or None
-    """
-
-    rate: float | None
-    keys: int | None
-    tolerance: float | None
-    select: str
-    scheme: str
-    family: str | None
-    kind: str | None
-    keep: TimeCodes | None
-
-    @classmethod
-    def of(cls, args: argparse.Namespace) -> Wanted:
-        """Take it from the command line."""
-        return cls(args.rate, args.keys, args.tolerance, args.select, args.scheme, args.family, args.kind, args.keep)
-
-    @property
-    def criterion(self) -> str:
-        """Kind of quality for comparisons at equal error: "max" for a tolerance."""
-        return self.kind or ("hyb" if self.tolerance is None else "max")
-
-
 @dataclass(frozen=True, eq=False)
-class Reduced:
+class DownsampledClip:
     """An animation made sparse.
 
     Parameters
     ----------
-    thinning : Thinning
+    selection : SampleSelection
         The source, and what there was to choose from.
     sparse : SkelClip
         What is written.
@@ -86,35 +50,41 @@ class Reduced:
         Frames of each stretch that slerp needs to be as good, equally spaced.
     criterion : str
         What "as good" means: a kind of quality, or "max".
+    path : str
+        Path of the SkelAnimation.
+    skeleton_paths : tuple of str
+        Paths of the Skeletons that it drives; prims are gone when what is written changes the composition.
     """
 
-    thinning: Thinning
+    selection: SampleSelection
     sparse: SkelClip
     metric: LearnedMetric
     errors: Errors
     played: Errors
     uniform: list[np.ndarray]
     criterion: str
+    path: str
+    skeleton_paths: tuple[str, ...]
 
     @property
     def clip(self) -> SkelClip:
         """The source."""
-        return self.thinning.clip
+        return self.selection.clip
 
     @property
     def kept(self) -> np.ndarray:
         """Time codes of the samples that are left of those that were chosen from."""
-        names = self.thinning.names
+        names = self.selection.names
         return self.sparse.channels[names[0]].codes if names else self.sparse.codes
 
 
-def reduce_clip(
+def downsample_clip(
     path: Path,
     clip: SkelClip,
-    wanted: Wanted,
+    options: DownsampleOptions,
     messages: Messages,
     watch: Callable[[int, float], None] = lambda evaluations, value: None,
-) -> Reduced | None:
+) -> DownsampledClip | None:
     """Choose the samples of an animation to keep, and learn the metric for them.
 
     Parameters
@@ -122,7 +92,7 @@ def reduce_clip(
     path : Path
         File that it is in.
     clip : SkelClip
-    wanted : Wanted
+    options : DownsampleOptions
     messages : Messages
         Told what a user should know.
     watch : callable
@@ -130,95 +100,96 @@ def reduce_clip(
 
     Returns
     -------
-    reduced : Reduced or None
+    downsampled : DownsampledClip or None
         None if there are no samples to choose from.
 
     Raises
     ------
     ToolError
-        If it cannot be done as wanted.
+        If the options do not fit the animation.
     """
     clip = sampled_alike(clip)
     for note in (*clip.notes, *left_sparse(clip)):
         messages.warn(note)
     if not (clip.is_animated and clip.joints):
         return None
-    thinning = Thinning.of(clip)
-    if thinning.kept_whole:
+    selection = SampleSelection.of(clip)
+    if selection.kept_whole:
         messages.warn(
-            f"{clip.path}: {' and '.join(thinning.kept_whole)} change and are kept whole, as nothing judges them."
+            f"{clip.path}: {' and '.join(selection.kept_whole)} change and are kept whole, as nothing judges them."
         )
-    animations = thinning.animations
-    allowance = None if wanted.tolerance is None else 0.01 * wanted.tolerance
+    animations = selection.animations
+    allowance = None if options.tolerance is None else 0.01 * options.tolerance
     margin = 0.0 if allowance is None else min(_ROUNDING_METRES, _ROUNDING * allowance)
     while True:
         try:
-            compressed = _compressed(clip, thinning, animations, wanted, allowance and allowance - margin, watch)
+            compressed = _compressed(clip, selection, animations, options, allowance and allowance - margin, watch)
         except ValueError as error:
             raise ToolError(f"{clip.path} cannot be made sparse so: {error}") from error
-        sparse = thinning.sparse(compressed.keyframes)
+        sparse = selection.sparse(compressed.keyframes)
         errors = Errors.between(restored(sparse, compressed.metric, clip.codes), clip)
-        over = 0.0 if wanted.tolerance is None else errors.centimetres.max(initial=0.0) - wanted.tolerance
+        over = 0.0 if options.tolerance is None else errors.centimetres.max(initial=0.0) - options.tolerance
         if over <= 0.0:
             break
         margin += 0.02 * over  # what is written is rounded, and other channels have a part in it
     played = Errors.between(restored(sparse, compressed.metric, clip.codes, "slerp"), clip)
     metric = replace(compressed.metric, provenance=_provenance(path, clip, sparse, compressed.metric, errors, played))
-    uniform = _uniform(animations, errors, wanted)
-    return Reduced(thinning, sparse, metric, errors, played, uniform, wanted.criterion)
+    uniform = _uniform(animations, errors, options)
+    skeletons = tuple(str(prim.GetPath()) for prim in clip.source.skeletons)
+    return DownsampledClip(selection, sparse, metric, errors, played, uniform, options.criterion, clip.path, skeletons)
 
 
 def _compressed(
     clip: SkelClip,
-    thinning: Thinning,
+    selection: SampleSelection,
     animations: Sequence[Animation],
-    wanted: Wanted,
+    options: DownsampleOptions,
     tolerance: float | None,
     watch: Callable[[int, float], None],
 ) -> Compressed:
     if not animations:
-        return Compressed((), LearnedMetric.plain(clip.skeleton.joints, wanted.scheme))
+        return Compressed((), LearnedMetric.plain(clip.skeleton.joints, options.scheme))
     keep = None
-    if wanted.keep is not None:
-        codes = codes_for(clip, wanted.keep)
-        keep = thinning.frames_at(codes)
+    if options.keep is not None:
+        codes = codes_for(clip, options.keep)
+        keep = selection.frames_at(codes)
         lost = codes[~np.isin(codes, clip.codes)]
         if len(lost):
             raise ValueError(f"--keep {lost[0]:g} is no time code of a sample")
     return compress(
         animations,
-        None if tolerance is not None else _counts(animations, wanted, keep),
+        None if tolerance is not None else _counts(animations, options, keep),
         tolerance,
-        kind=wanted.kind,
-        select=wanted.select,
-        scheme=wanted.scheme,
-        family=wanted.family,
+        kind=options.kind,
+        select=options.select,
+        scheme=options.scheme,
+        family=options.family,
         keep=keep,
         progress=watch,
     )
 
 
-def _counts(animations: Sequence[Animation], wanted: Wanted, keep: list[np.ndarray] | None) -> list[int]:
+def _counts(animations: Sequence[Animation], options: DownsampleOptions, keep: list[np.ndarray] | None) -> list[int]:
     """Decide how many samples of each stretch to keep: its share, and no less than must stay."""
     n_frames = np.array([animation.n_frames for animation in animations])
-    rate = wanted.rate if wanted.rate is not None else (wanted.keys or 0) / n_frames.sum()
+    rate = options.rate if options.rate is not None else (options.keys or 0) / n_frames.sum()
     shares = np.array([len(uniform_keyframes(int(n), min(rate, 1.0))) for n in n_frames])
-    if wanted.select == "uniform":
+    if options.select == "uniform":
         least = np.full(len(animations), 2)
     else:
         frames = [np.zeros(0)] * len(animations) if keep is None else keep
         problems = [KeyProblem.of(each, None, 1.0, keep=kept) for each, kept in zip(animations, frames, strict=True)]
         least = np.array([len(problem.fixed) for problem in problems])
     counts = np.maximum(shares, least)
-    if wanted.keys is not None:
-        if not least.sum() <= wanted.keys <= n_frames.sum():
+    if options.keys is not None:
+        if not least.sum() <= options.keys <= n_frames.sum():
             raise ValueError(
-                f"--keys is {wanted.keys}, but {least.sum()} of {n_frames.sum()} samples must stay: the ends of "
+                f"--keys is {options.keys}, but {least.sum()} of {n_frames.sum()} samples must stay: the ends of "
                 f"stretches and holds, and those of --keep; say {least.sum()} to {n_frames.sum()}, or "
                 "choose animations with --prim."
             )
-        while counts.sum() != wanted.keys:  # rounding, and what must stay
-            step = 1 if counts.sum() < wanted.keys else -1
+        while counts.sum() != options.keys:  # rounding, and what must stay
+            step = 1 if counts.sum() < options.keys else -1
             room = counts < n_frames if step > 0 else counts > least
             counts[np.argmax(np.where(room, -step * counts / n_frames, -np.inf))] += step
     return counts.tolist()
@@ -233,7 +204,7 @@ def _provenance(
         "purpose": "reconstruct",
         **metric.provenance,
         "source": path.name,
-        "sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
+        "sha256": stage_sha256(clip.source.stage),
         "prims": [clip.path],
         "samples": len(clip.codes),
         "kept_samples": len(sparse.codes),
@@ -245,14 +216,14 @@ def _provenance(
     }
 
 
-def _uniform(animations: Sequence[Animation], errors: Errors, wanted: Wanted) -> list[np.ndarray]:
+def _uniform(animations: Sequence[Animation], errors: Errors, options: DownsampleOptions) -> list[np.ndarray]:
     """Equally spaced frames, the fewest that halving finds, from which slerp is as good."""
     if not animations:
         return []
     n_frames = sum(animation.n_frames for animation in animations)
-    kind = wanted.criterion
+    kind = options.criterion
     if kind == LARGEST:
-        allowed = max(0.01 * errors.centimetres.max(initial=0.0), 0.01 * (wanted.tolerance or 0.0))
+        allowed = max(0.01 * errors.centimetres.max(initial=0.0), 0.01 * (options.tolerance or 0.0))
     else:
         allowed = errors.quality(kind) * len(errors.degrees)
 
@@ -272,30 +243,44 @@ def _uniform(animations: Sequence[Animation], errors: Errors, wanted: Wanted) ->
     return kept(by_halving(lambda number: error(kept(number)) <= allowed, 0, n_frames))
 
 
-def verified(path: Path, reduced: Sequence[Reduced], wanted: Wanted) -> list[Reduced]:
-    """Read a written file, rebuild its animations, and measure what comes out of it.
+def verified(
+    stage: Usd.Stage, path: Path, clips: Sequence[DownsampledClip], options: DownsampleOptions
+) -> list[DownsampledClip]:
+    """Read what was written, rebuild its animations, and measure what comes out of it.
+
+    Parameters
+    ----------
+    stage : Usd.Stage
+        That shows what was written.
+    path : Path
+        How to name it.
+    clips : sequence of DownsampledClip
+    options : DownsampleOptions
+
+    Returns
+    -------
+    checked : list of DownsampledClip
+        With the errors that were measured.
 
     Raises
     ------
     ToolError
         If a tolerance is exceeded.
     """
-    stage = open_stage(path)
-    stage.Reload()  # OpenUSD may still hold what the file was before
-    clips = [read_clip(source) for source in find_animations(stage)]
+    sources = find_animations(stage)
     checked = []
-    for each in reduced:
-        paths = {str(prim.GetPath()) for prim in each.clip.source.skeletons} or {each.clip.path}
-        written = next(
-            clip for clip in clips if paths & {clip.path, *(str(s.GetPath()) for s in clip.source.skeletons)}
+    for each in clips:
+        paths = set(each.skeleton_paths) or {each.path}
+        source = next(
+            source for source in sources if paths & {source.path, *(str(s.GetPath()) for s in source.skeletons)}
         )
-        metric, codes = read_metric(written.source.prim), read_source_codes(written.source.prim)
+        metric, codes = read_metric(source.prim), read_source_codes(source.prim)
         assert metric is not None and codes is not None
-        errors = Errors.between(restored(written, metric, codes), each.clip)
-        if wanted.tolerance is not None and errors.centimetres.max(initial=0.0) > wanted.tolerance:
+        errors = Errors.between(restored(read_clip(source), metric, codes), each.clip)
+        if options.tolerance is not None and errors.centimetres.max(initial=0.0) > options.tolerance:
             raise ToolError(
-                f"{path}: {each.clip.path} is rebuilt to {errors.centimetres.max():g} cm only, for --tolerance "
-                f"{wanted.tolerance:g}; please report this."
+                f"{path}: {each.path} is rebuilt to {errors.centimetres.max():g} cm only, for --tolerance "
+                f"{options.tolerance:g}; please report this."
             )
         checked.append(replace(each, errors=errors))
     return checked

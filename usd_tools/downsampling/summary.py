@@ -1,4 +1,4 @@
-"""What `downsample` says of its work: lines and tables on stdout, plain values for the report, and a picture."""
+"""What `downsample` says of its work: lines and tables, warnings, plain values, and a picture."""
 
 from __future__ import annotations
 
@@ -12,16 +12,14 @@ import numpy as np
 from geomstats_anim import LearnedMetric
 from geomstats_anim.names import WITH_METRIC
 from geomstats_anim.rotations import Array
-from usd_tools.console.errors import Messages
 from usd_tools.console.tables import show
-from usd_tools.console.text import counted, short_names
-from usd_tools.downsampling.reduce import Reduced
+from usd_tools.console.text import counted, say, short_names
+from usd_tools.downsampling.reduce import DownsampledClip
+from usd_tools.downsampling.result import DownsampledAnimation, DownsampleResult
 from usd_tools.downsampling.thinning import Errors
 from usd_tools.files.atomic import written_beside
 from usd_tools.files.paths import same_file
-from usd_tools.files.stages import describe_dependencies
 from usd_tools.metrics.attributes import summary
-from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.sizes import clip_bytes_numpy, clip_bytes_usdc
 
 PICTURES = (".png", ".svg", ".pdf")
@@ -35,54 +33,66 @@ _FAR_OFF_DEGREES = 10.0
 """A rotation further off, with every bone end within its tolerance, is worth a warning."""
 
 
-def tell(clip: SkelClip, values: Mapping[str, Any], verbose: bool) -> None:
-    """Say what is left of an animation, how well the rest is rebuilt, and what a viewer shows; see `described`."""
-    joints = counted(len(clip.joints), "joint")
-    print(
-        f"{clip.path}: {values['kept_samples']} of {values['samples']} samples kept, {joints}; "
-        f"{values['bytes_usdc_before']} -> {values['bytes_usdc_after']} bytes as usdc, "
-        f"{values['bytes_numpy_before']} -> {values['bytes_numpy_after']} as NumPy, "
-        f"{'metric' if values['scheme'] in WITH_METRIC else 'scheme'} included"
+def print_summary(result: DownsampleResult, source: Path, verbose: bool) -> None:
+    """Print what is left of each animation, how well the rest is rebuilt, what a viewer shows, and what was written."""
+    for animation in result.animations:
+        _print_animation(animation, verbose)
+    if result.path is not None:
+        _print_file(result, source)
+
+
+def _print_animation(animation: DownsampledAnimation, verbose: bool) -> None:
+    say(
+        f"{animation.prim}: {animation.kept_samples} of {animation.samples} samples kept, "
+        f"{counted(len(animation.joints), 'joint')}; "
+        f"{animation.bytes_usdc_before} -> {animation.bytes_usdc_after} bytes as usdc, "
+        f"{animation.bytes_numpy_before} -> {animation.bytes_numpy_after} as NumPy, "
+        f"{'metric' if animation.scheme in WITH_METRIC else 'scheme'} included"
     )
-    print(f"  {values['metric_summary']}")
+    say(f"  {animation.metric_summary}")
     show(
         "Errors of all frames",
         [
-            ("rebuilt by upsample --times source", *_cells(values["rebuilt"])),
-            ("played by a viewer, as slerp", *_cells(values["played"])),
+            ("rebuilt by upsample --times source", *_cells(animation.rebuilt)),
+            ("played by a viewer, as slerp", *_cells(animation.played)),
         ],
         ("", *_COLUMNS),
     )
-    worst = sorted(values["joints"], key=lambda joint: -joint["centimetres"]["largest"])
+    _print_joints(animation, verbose)
+    turned = animation.largest_rotation_error
+    if turned["degrees"] > 0.0:
+        say(f"Largest rotation error, rebuilt: {_turned(turned)}.")
+    uniform = animation.uniform_slerp
+    if uniform["samples"]:
+        say(
+            f"Slerp between equally spaced samples needs {uniform['samples']} of them to be as good "
+            f"({uniform['criterion']}): {uniform['bytes_usdc']} bytes as usdc, {uniform['bytes_numpy']} as NumPy."
+        )
+
+
+def _print_joints(animation: DownsampledAnimation, verbose: bool) -> None:
+    worst = sorted(animation.joints, key=lambda joint: -joint["centimetres"]["largest"])
     shown = worst if verbose else [joint for joint in worst[:_WORST] if joint["centimetres"]["largest"] > 0.0]
     if shown:
-        names = short_names([joint["joint"] for joint in values["joints"]])
+        names = short_names([joint["joint"] for joint in animation.joints])
         title = f"The {len(shown)} joints that are worst" if len(shown) > 1 else "The joint that is worst"
         show(
             f"{'Errors of the joints' if verbose else title}, rebuilt",
             [(names[joint["joint"]], *_cells(joint)) for joint in shown],
             ("joint", *_COLUMNS),
         )
-    turned = values["largest_rotation_error"]
-    if turned["degrees"] > 0.0:
-        print(f"Largest rotation error, rebuilt: {_turned(turned)}.")
-    uniform = values["uniform_slerp"]
-    if uniform["samples"]:
-        print(
-            f"Slerp between equally spaced samples needs {uniform['samples']} of them to be as good "
-            f"({uniform['criterion']}): {uniform['bytes_usdc']} bytes as usdc, {uniform['bytes_numpy']} as NumPy."
-        )
 
 
-def warn_of_twists(values: Mapping[str, Any], tolerance: float, messages: Messages) -> None:
-    """Warn if a rotation is far off though every bone end is within the tolerance, in centimetres; see `described`."""
-    turned = values["largest_rotation_error"]
-    if turned["degrees"] > _FAR_OFF_DEGREES:
-        messages.warn(
-            f"{values['prim']}: every bone end is within {tolerance:g} cm, but a rotation is off by {_turned(turned)}, "
-            "for turning about a bone's own axis, or of a short bone, moves its end little; name samples to keep "
-            "with --keep, or choose by angles: --rate or --keys with --kind rot."
-        )
+def twist_sentence(animation: DownsampledAnimation, tolerance: float) -> str | None:
+    """Return a warning if a rotation is far off though every bone end is within the tolerance, in centimetres."""
+    turned = animation.largest_rotation_error
+    if turned["degrees"] <= _FAR_OFF_DEGREES:
+        return None
+    return (
+        f"{animation.prim}: every bone end is within {tolerance:g} cm, but a rotation is off by {_turned(turned)}, "
+        "for turning about a bone's own axis, or of a short bone, moves its end little; name samples to keep "
+        "with --keep, or choose by angles: --rate or --keys with --kind rot."
+    )
 
 
 def _turned(turned: Mapping[str, Any]) -> str:
@@ -94,56 +104,61 @@ def _cells(errors: dict[str, Any]) -> list[str]:
     return [f"{errors[unit][word]:.3f}" for unit in ("degrees", "centimetres") for word in words]
 
 
-def tell_file(source: Path, size_before: int, out: Path, messages: Messages) -> None:
-    """Say what is written, what else it needs, and how to get the rest back."""
-    print(
-        f"{out} is written: {size_before} -> {out.stat().st_size} bytes. {describe_dependencies(out, messages)}; get "
-        f"all samples back with: python -m usd_tools.upsample {shlex.quote(str(out))} -o BACK.usda --times source"
+def _print_file(result: DownsampleResult, source: Path) -> None:
+    out, before, after = result.path, result.file_bytes_before, result.file_bytes_after
+    assert out is not None and before is not None and after is not None
+    say(
+        f"{out} is written: {before} -> {after} bytes. {result.dependencies}; get all samples "
+        f"back with: python -m usd_tools.upsample {shlex.quote(str(out))} -o BACK.usda --times source"
     )
-    if out.suffix == ".usda" and out.stat().st_size > size_before:
-        before = "it was" if same_file(out, [source]) else source.name
-        print(f"{out} is larger than {before}, as text; an --out that ends in .usdc makes it binary.")
+    if out.suffix == ".usda" and after > before:
+        older = "it was" if same_file(out, [source]) else source.name
+        say(f"{out} is larger than {older}, as text; an --out that ends in .usdc makes it binary.")
 
 
-def described(reduced: Reduced) -> dict[str, Any]:
-    """Tell what was done to an animation, as plain values."""
-    thinning, clip, sparse, metric = reduced.thinning, reduced.clip, reduced.sparse, reduced.metric
-    n_frames = [span.stop - span.start for span in thinning.spans]
-    uniform = thinning.sparse(reduced.uniform)
-    frame, turned = np.unravel_index(np.argmax(reduced.errors.degrees), reduced.errors.degrees.shape)
-    return {
-        "prim": clip.path,
-        "skeletons": [str(prim.GetPath()) for prim in clip.source.skeletons],
-        "samples": sum(n_frames) if n_frames else len(clip.codes),
-        "kept_samples": len(reduced.kept),
-        "kept_time_codes": reduced.kept.tolist(),
-        "scheme": metric.scheme,
-        "metric_summary": _summary_of(metric),
-        "constant": [name for name, channel in sparse.channels.items() if not len(channel.codes)],
-        "kept_whole": list(thinning.kept_whole),
-        "rebuilt": _statistics(reduced.errors),
-        "played": _statistics(reduced.played),
-        "joints": [
+def describe(downsampled: DownsampledClip) -> DownsampledAnimation:
+    """Return what was done to an animation, as plain values."""
+    selection, clip, sparse, metric = downsampled.selection, downsampled.clip, downsampled.sparse, downsampled.metric
+    errors = downsampled.errors
+    n_frames = [span.stop - span.start for span in selection.spans]
+    uniform = selection.sparse(downsampled.uniform)
+    return DownsampledAnimation(
+        prim=downsampled.path,
+        skeletons=downsampled.skeleton_paths,
+        samples=sum(n_frames) if n_frames else len(clip.codes),
+        kept_samples=len(downsampled.kept),
+        kept_time_codes=tuple(downsampled.kept.tolist()),
+        scheme=metric.scheme,
+        metric_summary=_summary_of(metric),
+        constant=tuple(name for name, channel in sparse.channels.items() if not len(channel.codes)),
+        kept_whole=tuple(selection.kept_whole),
+        rebuilt=_statistics(errors),
+        played=_statistics(downsampled.played),
+        joints=tuple(
             {"joint": joint, "degrees": _summary(degrees), "centimetres": _summary(centimetres)}
-            for joint, degrees, centimetres in zip(
-                reduced.errors.joints, reduced.errors.degrees.T, reduced.errors.centimetres.T, strict=True
-            )
-        ],
-        "largest_rotation_error": {
-            "joint": reduced.errors.joints[turned],
-            "degrees": float(reduced.errors.degrees[frame, turned]),
-            "time_code": float(clip.codes[frame]),
-        },
-        "bytes_usdc_before": clip_bytes_usdc(clip, None, None),
-        "bytes_usdc_after": clip_bytes_usdc(sparse, metric, clip.codes),
-        "bytes_numpy_before": clip_bytes_numpy(clip, None),
-        "bytes_numpy_after": clip_bytes_numpy(sparse, metric),
-        "uniform_slerp": {
-            "criterion": reduced.criterion,
-            "samples": sum(map(len, reduced.uniform)),
+            for joint, degrees, centimetres in zip(errors.joints, errors.degrees.T, errors.centimetres.T, strict=True)
+        ),
+        largest_rotation_error=_largest_rotation_error(downsampled),
+        bytes_usdc_before=clip_bytes_usdc(clip, None, None),
+        bytes_usdc_after=clip_bytes_usdc(sparse, metric, clip.codes),
+        bytes_numpy_before=clip_bytes_numpy(clip, None),
+        bytes_numpy_after=clip_bytes_numpy(sparse, metric),
+        uniform_slerp={
+            "criterion": downsampled.criterion,
+            "samples": sum(map(len, downsampled.uniform)),
             "bytes_usdc": clip_bytes_usdc(uniform, None, None),
             "bytes_numpy": clip_bytes_numpy(uniform, None),
         },
+    )
+
+
+def _largest_rotation_error(downsampled: DownsampledClip) -> dict[str, Any]:
+    errors = downsampled.errors
+    frame, joint = np.unravel_index(np.argmax(errors.degrees), errors.degrees.shape)
+    return {
+        "joint": errors.joints[joint],
+        "degrees": float(errors.degrees[frame, joint]),
+        "time_code": float(downsampled.clip.codes[frame]),
     }
 
 
@@ -170,11 +185,11 @@ def _summary(values: Array) -> dict[str, float]:
     }
 
 
-def draw(reduced: Sequence[Reduced], path: Path) -> None:
+def draw(clips: Sequence[DownsampledClip], path: Path) -> None:
     """Draw the samples kept over the speed of the motion, a panel for each animation; see `report.kept_samples`."""
     from usd_tools.downsampling.plot import draw_kept
 
-    figure = draw_kept(reduced)
+    figure = draw_kept(clips)
     with written_beside(path) as beside:
         # without a date, the same input makes the same bytes
         dates = {".png": "Creation Time", ".svg": "Date", ".pdf": "CreationDate"}

@@ -34,7 +34,7 @@ def sampled_alike(clip: SkelClip) -> SkelClip:
 
 
 @dataclass(frozen=True, eq=False)
-class Thinning:
+class SampleSelection:
     """What there is to choose from in an animation.
 
     Parameters
@@ -51,7 +51,7 @@ class Thinning:
     spans: tuple[slice, ...]
 
     @classmethod
-    def of(cls, clip: SkelClip) -> Thinning:
+    def of(cls, clip: SkelClip) -> SampleSelection:
         """Look at an aligned clip."""
         moving = [
             name

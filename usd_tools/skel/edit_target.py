@@ -75,15 +75,17 @@ class EditTargetLayer(AnimationLayer):
         before.TransferContent(self.layer)
         try:
             yield
-            self._check_strength()
+            self._check_strength(before)
         except BaseException:
             self.layer.TransferContent(before)
             raise
 
-    def _check_strength(self) -> None:
+    def _check_strength(self, before: Sdf.Layer) -> None:
         for path, spec_path in self._written.items():
             spec, prim = self.layer.GetPrimAtPath(spec_path), self._stage.GetPrimAtPath(path)
             for attribute in spec.attributes:
+                if _is_same(attribute, before.GetAttributeAtPath(attribute.path)):
+                    continue
                 strongest = next(
                     (each for each in prim.GetAttribute(attribute.name).GetPropertyStack() if _has_value(each)), None
                 )
@@ -93,6 +95,11 @@ class EditTargetLayer(AnimationLayer):
                         f"{path}: {attribute.name} in the edit target {self.name} would be hidden by {hidden_by}; "
                         "choose a stronger edit target."
                     )
+
+
+def _is_same(attribute: Sdf.AttributeSpec, before: Sdf.AttributeSpec | None) -> bool:
+    keys = ("default", "timeSamples")
+    return before is not None and all(attribute.GetInfo(key) == before.GetInfo(key) for key in keys)
 
 
 def _has_value(spec: Sdf.AttributeSpec) -> bool:

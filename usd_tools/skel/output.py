@@ -13,6 +13,7 @@ from pxr import Usd
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.options import OutputOptions
 from usd_tools.console.text import counted
+from usd_tools.files.atomic import Verify
 from usd_tools.files.openusd_gaps import lost_by_flattening
 from usd_tools.files.paths import check_output, check_usd_output, same_file
 from usd_tools.skel.find import AnimationSource
@@ -155,14 +156,14 @@ class Output:
         base = stage.GetRootLayer() if (self.options.in_place or self.copy) and not self.options.flatten else None
         return OverrideLayer(stage, tool, settings, codes_per_second, base)
 
-    def save(self, layer: OverrideLayer) -> None:
-        """Write the layer."""
+    def save(self, layer: OverrideLayer, verify: Verify | None = None) -> None:
+        """Write the layer; `verify` looks at it before it takes the place of an older file, see `written_beside`."""
         if self.options.in_place and not self.options.flatten:
-            save_in_place(layer, self.source.resolve())
+            save_in_place(layer, self.source.resolve(), verify)
         elif self.copy and not self.options.flatten:
-            save_copy(layer, self.source, self.path, self.options.usd_format)
+            save_copy(layer, self.source, self.path, self.options.usd_format, verify)
         else:
-            save(layer, self.source, self.path, self.options.usd_format, self.options.flatten)
+            save(layer, self.source, self.path, self.options.usd_format, self.options.flatten, verify)
 
 
 def _is_in_root_layer(source: AnimationSource) -> bool:

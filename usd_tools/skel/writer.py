@@ -13,7 +13,7 @@ from pxr import Ar, Sdf, Usd
 
 from geomstats_anim import LearnedMetric, __version__
 from usd_tools.console.errors import Messages
-from usd_tools.files.atomic import written_beside
+from usd_tools.files.atomic import Verify, written_beside
 from usd_tools.files.openusd_errors import TEMPORARY
 from usd_tools.files.openusd_gaps import flatten_stage, modify_asset_paths
 from usd_tools.files.packages import pack, unpack
@@ -162,7 +162,12 @@ def _attribute(spec: Sdf.PrimSpec, name: str) -> Sdf.AttributeSpec:
 
 
 def save(
-    override: OverrideLayer, source: Path, out: Path, usd_format: str | None = None, flatten: bool = False
+    override: OverrideLayer,
+    source: Path,
+    out: Path,
+    usd_format: str | None = None,
+    flatten: bool = False,
+    verify: Verify | None = None,
 ) -> None:
     """Write an override layer to a file, over its source or flattened with it.
 
@@ -179,13 +184,16 @@ def save(
     flatten : bool
         Whether to write one layer with everything in it.
         Optional, default: False.
+    verify : callable
+        See `written_beside`.
+        Optional, default: none.
 
     Raises
     ------
     ToolError
         If it cannot be written.
     """
-    with written_beside(out) as beside:
+    with written_beside(out, verify) as beside:
         if out.suffix == ".usdz":
             _save_package(override.layer, source, beside, flatten)
         else:
@@ -197,8 +205,8 @@ def save(
             export_layer(layer, beside, usd_format, check=flatten)
 
 
-def save_in_place(override: OverrideLayer, source: Path) -> None:
-    """Write an override layer that was made from its source back to it, in the same format.
+def save_in_place(override: OverrideLayer, source: Path, verify: Verify | None = None) -> None:
+    """Write an override layer that was made from its source back to it, in the same format; see `save`.
 
     Raises
     ------
@@ -207,12 +215,14 @@ def save_in_place(override: OverrideLayer, source: Path) -> None:
     """
     with open(source, "rb") as file:
         is_binary = file.read(8) == b"PXR-USDC"
-    with written_beside(source) as beside:
+    with written_beside(source, verify) as beside:
         usd_format = ("usdc" if is_binary else "usda") if source.suffix == ".usd" else None
         export_layer(override.layer, beside, usd_format, check=True)
 
 
-def save_copy(override: OverrideLayer, source: Path, out: Path, usd_format: str | None = None) -> None:
+def save_copy(
+    override: OverrideLayer, source: Path, out: Path, usd_format: str | None = None, verify: Verify | None = None
+) -> None:
     """Write an override layer that was made from its source to another file; see `save`.
 
     Raises
@@ -231,7 +241,7 @@ def save_copy(override: OverrideLayer, source: Path, out: Path, usd_format: str 
             return relative_asset_path(Path(here) / package, out.parent) + bracket + inner
 
         modify_asset_paths(override.layer, moved)
-    with written_beside(out) as beside:
+    with written_beside(out, verify) as beside:
         export_layer(override.layer, beside, usd_format, check=True)
 
 

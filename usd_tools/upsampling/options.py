@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from geomstats_anim.names import INVARIANCES, SCHEME_NAMES
-from usd_tools.console.arguments import TimeCodes, positive_number, time_codes, whole_number
+from usd_tools.console.arguments import TimeCodes, as_time_codes, positive_number, whole_number
 from usd_tools.console.errors import UsageError
 from usd_tools.console.options import OutputOptions, one_of, option, several
 from usd_tools.skel.frame_rates import typed_rate
@@ -19,12 +18,6 @@ METRIC_WORDS = ("stored", "identity", "learn")
 
 def _metric(value: str | Path) -> str | Path:
     return value if isinstance(value, str) and value in METRIC_WORDS else Path(value)
-
-
-def _times(value: str | TimeCodes | Sequence[float]) -> TimeCodes:
-    if isinstance(value, TimeCodes):
-        return value
-    return time_codes(value if isinstance(value, str) else ",".join(f"{float(code):.17g}" for code in value))
 
 
 def _style(value: str | Style) -> Style:
@@ -65,7 +58,7 @@ class UpsampleOptions(OutputOptions):
 
     factor: int | None = option(None, whole_number)
     fps: float | None = option(None, typed_rate)
-    times: TimeCodes | None = option(None, _times)
+    times: TimeCodes | None = option(None, as_time_codes)
     retime: bool = option(False, bool)
     scheme: str | None = option(None, one_of(SCHEME_NAMES))
     metric: str | Path | None = option(None, _metric)

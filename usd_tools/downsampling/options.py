@@ -1,0 +1,74 @@
+"""What `downsample` can be asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from geomstats_anim.names import CRITERIA, DEFAULT_SCHEME, FAMILIES, LARGEST, SCHEME_NAMES, SELECTIONS, WITH_METRIC
+from usd_tools.console.arguments import TimeCodes, as_time_codes, positive_number, share, whole_number
+from usd_tools.console.errors import UsageError
+from usd_tools.console.options import OutputOptions, one_of, option
+
+
+@dataclass(frozen=True, kw_only=True)
+class DownsampleOptions(OutputOptions):
+    """Options of `downsample`, in the words of its command line; exactly one of the first three is needed.
+
+    Parameters
+    ----------
+    rate : float
+        Share of the samples to keep, above 0 and below 1.
+    keys : int
+        Number of samples to keep, of each animation.
+    tolerance : float
+        Centimetres: the fewest samples are kept with which no bone end is ever further from its place.
+    select : str
+        "optimal" or "uniform".
+        Optional, default: "optimal".
+    keep : str, TimeCodes or sequence of float
+        Time codes of samples that must stay.
+    scheme : str
+        Interpolation scheme that rebuilds the rest.
+        Optional, default: "geodesic-spline".
+    family : str
+        "diagonal" or "spd".
+        Optional, default: "spd", or "diagonal" with a tolerance.
+    kind : str
+        Criterion of `rate` and `keys`: "loc", "rot", "hyb" or "max".
+        Optional, default: "hyb".
+    picture : Path
+        Picture of the samples kept, .png, .svg or .pdf.
+        Optional, default: none.
+    """
+
+    rate: float | None = option(None, share)
+    keys: int | None = option(None, whole_number)
+    tolerance: float | None = option(None, positive_number)
+    select: str = option(SELECTIONS[0], one_of(SELECTIONS))
+    keep: TimeCodes | None = option(None, as_time_codes)
+    scheme: str = option(DEFAULT_SCHEME, one_of(SCHEME_NAMES))
+    family: str | None = option(None, one_of(FAMILIES))
+    kind: str | None = option(None, one_of(CRITERIA))
+    picture: Path | None = option(None, Path, recorded=False)
+
+    def check(self) -> None:
+        """Refuse values that do not go together."""
+        given = [f"--{word}" for word in ("rate", "keys", "tolerance") if getattr(self, word) is not None]
+        if len(given) != 1:
+            raise UsageError(f"name exactly one of --rate, --keys and --tolerance, not {' and '.join(given) or 'none'}")
+        if self.tolerance is not None and self.kind not in (None, LARGEST):
+            raise UsageError(
+                f"--kind {self.kind} goes with --rate or --keys; --tolerance is about the largest distance"
+            )
+        if self.keep is not None and self.select == "uniform":
+            raise UsageError("--keep goes with --select optimal; uniform samples are where they are")
+        if self.family is not None and self.scheme not in WITH_METRIC:
+            raise UsageError(
+                f"--scheme {self.scheme} has no metric, so it has no family; leave out --family {self.family}"
+            )
+
+    @property
+    def criterion(self) -> str:
+        """Kind of quality for comparisons at equal error: "max" for a tolerance."""
+        return self.kind or ("hyb" if self.tolerance is None else LARGEST)
