@@ -36,7 +36,9 @@ from geomstats_anim import (  # noqa: E402
     uniform_keyframes,
 )
 from geomstats_anim import rotations as quat  # noqa: E402
-from geomstats_anim.learning.gradient import BOUND, Found, search_gradient  # noqa: E402
+from geomstats_anim.learning.descent import BOUND  # noqa: E402
+from geomstats_anim.learning.gradient import search_gradient  # noqa: E402
+from geomstats_anim.learning.learnable import Found  # noqa: E402
 from geomstats_anim.learning.objective import Objective  # noqa: E402
 from geomstats_anim.parameters import CurveParameters  # noqa: E402
 

@@ -22,7 +22,8 @@ RATES = (0.3, 0.1)
 sys.path.insert(0, str(ROOT))
 
 from geomstats_anim import Animation, uniform_keyframes  # noqa: E402
-from geomstats_anim.learning.gradient import Found, search_gradient  # noqa: E402
+from geomstats_anim.learning.gradient import search_gradient  # noqa: E402
+from geomstats_anim.learning.learnable import Found  # noqa: E402
 from geomstats_anim.learning.objective import Objective  # noqa: E402
 from geomstats_anim.learning.tune.ray_runtime import running  # noqa: E402
 from geomstats_anim.learning.tune.settings import TuneSettings  # noqa: E402

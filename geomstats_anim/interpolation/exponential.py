@@ -79,6 +79,23 @@ def bent_rates(rates: Rates, vector: Array, first: Array, second: Array) -> Rate
     return Rates(carried + bend.velocity, acceleration)
 
 
+def left_jacobian(vector: Array) -> Array:
+    """Differentiate exp(c), as a turn from the left, by c (Sola 2017, equation 145).
+
+    Parameters
+    ----------
+    vector : array-like, shape=[..., 3]
+
+    Returns
+    -------
+    jacobian : array-like, shape=[..., 3, 3]
+        The transpose of the right Jacobian.
+    """
+    versine, rest, _, _ = (coefficient[..., None] for coefficient in _coefficients(vector))
+    hat = quat.cross(np.eye(3), vector[..., None, :])
+    return np.eye(3) + versine * hat + rest * (hat @ hat)
+
+
 def _divide(vector: Array, velocity: Array) -> Array:
     """Solve J(c) x = velocity for x, shape=[..., 3]."""
     versine, rest, _, _ = _coefficients(vector)

@@ -53,6 +53,10 @@ class Corpus:
         """Quality; 0 is perfect."""
         return float(self._mean(Objective.value, curve))
 
+    def quality(self, curve: CurveParameters) -> float:
+        """Quality without the smoothing of `value`."""
+        return float(self._mean(Objective.quality, curve))
+
     def value_and_gradient(self, curve: CurveParameters) -> tuple[float, Array]:
         """Quality, and its derivative, shape=[B, 7], as `Objective.value_and_gradient` has it."""
         values, gradients = zip(*self._clips.each(Objective.value_and_gradient, curve), strict=True)

@@ -1,91 +1,26 @@
-"""The gradient search: a coarse grid, a descent of each joint from there, and scipy's L-BFGS-B for all joints at once.
+"""The gradient search: a coarse grid, a descent of each joint from there, and SciPy's L-BFGS-B for all joints at once.
 
 The rotation error is a sum over joints, so one evaluation of the grid, or of the descents, serves all joints at once,
-and each takes its own best, the better side too. The location error couples a joint to those below it; the rotation's
-best is where the last descent, which sees both, starts.
+and each takes its own best. The location error couples a joint to those below it; the rotation's best is where the last
+descent, which sees both, starts.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any, Protocol
+from collections.abc import Callable
 
 import numpy as np
 
-from geomstats_anim.geodesics.shortest import Effort
-from geomstats_anim.learning.batched_bfgs import batched_bfgs
+from geomstats_anim.learning.descent import ROUGHLY, Search, Tally
+from geomstats_anim.learning.families import Families
+from geomstats_anim.learning.learnable import Found, Learnable
 from geomstats_anim.names import FAMILIES, INVARIANCE_CHOICES, INVARIANCES
-from geomstats_anim.parameters import MAX_TENSION, CurveParameters, MetricParameters
-from geomstats_anim.rotations import Array
 
-BOUND = np.log(10.0)
-"""Largest |log alpha| and |log beta|: a condition number of at most 100."""
+_GRID = np.linspace(-1.5, 1.5, 3)
+"""Of log alpha and log beta, for a rough search."""
 
-_GRID, _ROUGH_GRID = np.linspace(-2.0, 2.0, 5), np.linspace(-1.5, 1.5, 3)
-_ROUGHLY = {"maxiter": 60, "ftol": 1e-5}
-_EXACTLY = {"maxiter": 100, "ftol": 2e-6}
-"""When L-BFGS-B stops: starts are followed roughly, the best exactly; ftol is in shares of the start's value."""
-
-_REFINED, _ROUNDS, _ROUGH_ROUNDS = 1e-6, 20, 10
-"""When a single joint's descent stops, in shares of its error at the start, or in rounds."""
-
-_NEGLIGIBLE = 1e-3
-"""Share of the largest rotation error that a joint's is not followed below; with the square of it, it does not turn."""
-
-_FLAT = 1e-2
-"""Curvature of a joint, as a share of the largest, below which its variables are not stretched any more."""
-
-_HELPS = 1.0 - 1e-6
-"""A point counts as better if it leaves at most this share of an error."""
-
-_MOMENTS, _AXES, _TENSIONS = [0, 1], [2, 3, 4], [5, 6]
-_TENSION, _TRANSLATION_TENSION = _TENSIONS
-_BOUNDS = [(-BOUND, BOUND)] * 2 + [(-np.pi, np.pi)] * 3 + [(0.0, MAX_TENSION)] * 2
-"""Of the columns of a point."""
-
-_TILTED, _ROUGHLY_TILTED = (128, 2, 60), (64, 1, 30)
-"""Tilted matrices that every joint tries, where the family has them; descents from the best; and their rounds."""
-
-
-class Learnable(Protocol):
-    """What a search needs of its objective."""
-
-    kind: str
-
-    def value(self, curve: CurveParameters) -> float:
-        """Return the quality; 0 is perfect."""
-        ...
-
-    def errors_by_joint(self, curve: CurveParameters) -> Array:
-        """Return the rotation error of each joint, and its part of the quality, shape=[2, B]."""
-        ...
-
-    def value_and_gradient(self, curve: CurveParameters) -> tuple[float, Array]:
-        """Return the quality, and its derivative, shape=[B, 7]; see `Objective.value_and_gradient`."""
-        ...
-
-    def rotation_errors_by_joint(
-        self, curve: CurveParameters, effort: Effort = "thorough", joints: np.ndarray | None = None
-    ) -> Array:
-        """Return the weighted rotation error of each joint, shape=[B], which depends on its own parameters only.
-
-        With the indices of some joints, shape=[J], the curve and the errors are theirs alone.
-        """
-        ...
-
-    def rotation_errors_and_gradient(self, curve: CurveParameters, joints: np.ndarray) -> tuple[Array, Array]:
-        """Return the same of some joints, shape=[J], and its derivative, shape=[J, 7]; the curve is theirs alone."""
-        ...
-
-
-@dataclass(frozen=True)
-class Found:
-    """Parameters of a curve, and their value."""
-
-    curve: CurveParameters
-    value: float
-    evaluations: int
+_ROUNDS, _TILTED = 10, (64, 1, 30)
+"""Rounds of a joint's descent; tilted matrices that every joint tries, descents from the best, and their rounds."""
 
 
 def search_gradient(
@@ -115,37 +50,24 @@ def search_gradient(
     progress : callable
         Called with the number of evaluations and the best value so far.
     rough : bool
-        Take a coarser grid, fewer steps and fewer tilted matrices, for a fit near the best in a third of the time.
+        Take one search with a coarser grid, fewer steps and fewer tilted matrices, for a fit near the best in a small
+        part of the time.
         Optional, default: False.
 
     Returns
     -------
     found : Found
-        Never worse than the bi-invariant metric, with the usual tension and without.
+        Never worse than the bi-invariant metric, with the usual tension and without; nor, unless rough, than what is
+        found for a family, scheme or choice of sides that this one contains.
     """
     check_words(family, invariance)
-    sides = INVARIANCES if invariance in ("clip", "joint") else (invariance,)
-    search = _Search(objective, n_joints, _free_columns(family, scheme), sides, invariance != "joint", progress)
-    grids = {side: search.grid(side, _ROUGH_GRID if rough else _GRID) for side in sides}
-    rounds = _ROUGH_ROUNDS if rough else _ROUNDS
-    fits = {side: search.refine(best, (side,) * n_joints, rounds) for side, best in grids.items()}
-    for side, point in fits.items():
-        search.offer_by_joint(point, (side,) * n_joints)
-    # what is best for rotations may be far from what is best for bone ends alone
-    starts = [fits, grids] if objective.kind == "loc" else [fits]
-    for start in starts:
-        if invariance == "joint" and not rough:
-            search.try_other_sides(start)
-        if invariance == "clip" or len(starts) > 1:
-            for side, point in start.items():
-                search.descend(point, (side,) * n_joints, _ROUGHLY)
-    stop = _ROUGHLY if rough else _EXACTLY
-    if family == "diagonal" or not rough:
-        search.descend(search.best_point, search.best_sides, stop)
-    if family == "spd":
-        search.tilt(*(_ROUGHLY_TILTED if rough else _TILTED))
-        search.descend(search.best_point, search.best_sides, stop)
-    return search.found
+    tally = Tally(progress)
+    if rough:
+        return _search_roughly(objective, n_joints, family, invariance, scheme, tally)
+    best = Families(objective, n_joints, tally).best(scheme, family, invariance)
+    curve = Search.curve(best.point, best.sides)
+    progress(tally.evaluations, best.value)
+    return Found(curve, best.value, tally.evaluations)
 
 
 def check_words(family: str, invariance: str) -> None:
@@ -156,230 +78,22 @@ def check_words(family: str, invariance: str) -> None:
         raise ValueError(f"There is no invariance {invariance!r}; the choices are {', '.join(INVARIANCE_CHOICES)}.")
 
 
-def _free_columns(family: str, scheme: str) -> list[int]:
-    axes = _AXES if family == "spd" else []
-    return [*_MOMENTS, *axes, *(_TENSIONS if scheme == "geodesic-spline" else [])]
-
-
-class _Search:
-    """The best point so far, shape=[B, 7]: log alpha, log beta, the axes' rotation vector and both tensions."""
-
-    def __init__(
-        self,
-        objective: Learnable,
-        n_joints: int,
-        free: list[int],
-        sides: Sequence[str],
-        one_side: bool,
-        progress: Callable[[int, float], None],
-    ) -> None:
-        self.objective, self.n_joints, self._progress = objective, n_joints, progress
-        self._free, self._sides, self._one_side = free, sides, one_side
-        self.best_value, self.evaluations = np.inf, 0
-        self.best_point: Array = np.zeros((n_joints, 7))
-        self.best_sides: tuple[str, ...] = (sides[0],) * n_joints
-        self.best_errors: Array = np.full(n_joints, np.inf)
-        self.offer(self.best_point, self.best_sides)
-        if _TENSION in free:
-            self._choose_tensions()
-        self._scale = np.ones((n_joints, 7))
-        self._base = self.best_point
-        self._base_value, self._base_errors = self.best_value, self.best_errors
-        self._turning = np.flatnonzero(self._base_errors > _NEGLIGIBLE**2 * self._base_errors.max(initial=0.0))
-
-    @property
-    def found(self) -> Found:
-        """The best so far."""
-        return Found(self.curve(self.best_point, self.best_sides), self.best_value, self.evaluations)
-
-    @staticmethod
-    def curve(point: Array, sides: Sequence[str]) -> CurveParameters:
-        alpha, beta, *axes, tension, translation_tension = point.T
-        tilted = np.stack(axes, axis=-1) if np.any(axes) else None
-        metric = MetricParameters(np.exp(alpha), np.exp(beta), tilted, tuple(sides))
-        return CurveParameters(metric, tension, translation_tension)
-
-    def _choose_tensions(self) -> None:
-        """Start from the best of a few tensions for each joint, and for all translations."""
-        point = self.best_point.copy()
-        for tension in (1.0, 0.5, 1.5, 2.0):
-            point[:, _TENSIONS] = tension
-            self.offer_by_joint(point, self.best_sides)
-        for tension in (0.0, 1.0, 2.0):
-            point = self.best_point.copy()
-            point[:, _TRANSLATION_TENSION] = tension
-            self.offer(point, self.best_sides)
-
-    def offer(self, point: Array, sides: tuple[str, ...]) -> bool:
-        """Keep a point if it is better than the best so far."""
-        return self._offer(point, sides)[0]
-
-    def _offer(self, point: Array, sides: tuple[str, ...]) -> tuple[bool, Array]:
-        """Offer a point, and tell its rotation errors too."""
-        self.evaluations += 1
-        errors, parts = self.objective.errors_by_joint(self.curve(point, sides))
-        value = float(parts.sum())
-        better = value < self.best_value
-        if better:
-            self.best_value, self.best_point, self.best_sides = value, point.copy(), sides
-            self.best_errors = errors
-        self._progress(self.evaluations, self.best_value)
-        return better, errors
-
-    def offer_by_joint(self, point: Array, sides: tuple[str, ...]) -> None:
-        """Offer a point, and then the best of it and the best so far, joint by joint."""
-        _, errors = self._offer(point, sides)
-        if self._one_side and sides != self.best_sides:
-            return
-        better = errors < self.best_errors
-        mixed_sides = (mine if ok else other for ok, mine, other in zip(better, sides, self.best_sides, strict=True))
-        self.offer(np.where(better[:, None], point, self.best_point), tuple(mixed_sides))
-
-    def grid(self, side: str, values: Array) -> Array:
-        """Best point of the grid for each joint's own rotation error, shape=[B, 7].
-
-        A joint that no point helps, because it does not turn, or about one axis only, stays at the identity.
-        """
-        point, least = self._base.copy(), _HELPS * self._base_errors
-        for moments in np.stack(np.meshgrid(values, values, indexing="ij"), axis=-1).reshape(-1, 2):
-            trial = self._base.copy()
-            trial[:, _MOMENTS] = moments
-            errors = self._rotation_errors(trial, (side,) * self.n_joints)
-            better = errors < least
-            point[better], least[better] = trial[better], errors[better]
-        return point
-
-    def refine(self, point: Array, sides: tuple[str, ...], rounds: int) -> Array:
-        """Follow the gradient of each joint's own rotation error, and tell where to, shape=[B, 7]."""
-        free = [column for column in self._free if column != _TRANSLATION_TENSION]
-
-        def placed(values: Array, joints: np.ndarray) -> Array:
-            current = point[joints].copy()
-            current[:, free] = values
-            return current
-
-        def evaluate(values: Array, joints: np.ndarray) -> tuple[Array, Array]:
-            self.evaluations += 1
-            current = placed(values, joints)
-            curve = self.curve(current, [sides[joint] for joint in joints])
-            errors, gradient = self.objective.rotation_errors_and_gradient(curve, joints)
-            self._progress(self.evaluations, self.best_value)
-            return errors, _by_coordinates(gradient, current)[:, free]
-
-        lower, upper = np.transpose([_BOUNDS[column] for column in free])
-        tolerance = _REFINED * np.maximum(self._base_errors, _NEGLIGIBLE * self._base_errors.max(initial=1e-12))
-        values, _, curvature = batched_bfgs(evaluate, point[:, free], lower, upper, tolerance, rounds)
-        self._scale[:, free] = np.sqrt(curvature + _FLAT * curvature.max(initial=1e-12))
-        self._scale[:, _TRANSLATION_TENSION] = self._scale[:, free].min()
-        return placed(values, np.arange(self.n_joints))
-
-    def descend(self, point: Array, sides: tuple[str, ...], stop: dict[str, float]) -> None:
-        """Follow the gradient from a point."""
-        from scipy.optimize import minimize
-
-        unit = max(self._base_value, 1e-12)
-        scale = self._scale[:, self._free]
-
-        def placed(flat: Array) -> Array:
-            current = point.copy()
-            current[:, self._free] = np.clip(flat.reshape(scale.shape) / scale, *bounds)
-            return current
-
-        def evaluate(flat: Array) -> tuple[float, Array]:
-            self.evaluations += 1
-            current = placed(flat)
-            value, gradient = self.objective.value_and_gradient(self.curve(current, sides))
-            self._progress(self.evaluations, min(self.best_value, value))
-            # in units of the start's value, so that tolerances mean the same for metres and radians
-            return value / unit, (_by_coordinates(gradient, current)[:, self._free] / scale).ravel() / unit
-
-        bounds = np.transpose([_BOUNDS[column] for column in self._free])
-        options: Any = {"maxcor": 20, "gtol": 1e-7, "maxls": 4, **stop}
-        result = minimize(
-            evaluate,
-            (point[:, self._free] * scale).ravel(),
-            jac=True,
-            method="L-BFGS-B",
-            bounds=np.stack([(bound * scale).ravel() for bound in bounds], axis=-1),
-            options=options,
-        )
-        # a descent follows geodesics that may cease to be the shortest, in some joints
-        self.offer_by_joint(placed(result.x), sides)
-
-    def try_other_sides(self, points: dict[str, Array]) -> None:
-        """Turn single joints to the other side, root to leaf, where that helps."""
-        for joint in range(self.n_joints):
-            other = "right" if self.best_sides[joint] == "left" else "left"
-            point = self.best_point.copy()
-            point[joint] = points[other][joint]
-            sides = (*self.best_sides[:joint], other, *self.best_sides[joint + 1 :])
-            self.offer(point, sides)
-
-    def tilt(self, n_trials: int, n_starts: int, rounds: int) -> None:
-        """Go on from the best diagonal matrices with free axes, and from the best of several sets of tilted ones."""
-        diagonal, diagonal_sides = self.best_point, self.best_sides
-        random = np.random.default_rng(0)
-        trials = np.concatenate(
-            [random.uniform(_GRID[0], _GRID[-1], (n_trials, 2)), random.normal(0.0, 1.5, (n_trials, 3))], axis=1
-        )
-        starts = [(diagonal, diagonal_sides)]
-        for some in np.array_split(trials, n_starts):
-            starts.append(self._best_tilted(diagonal, diagonal_sides, some))
-        for start, sides in starts:
-            self.offer_by_joint(self.refine(start, sides, rounds), sides)
-
-    def _best_tilted(
-        self, diagonal: Array, diagonal_sides: tuple[str, ...], trials: Array
-    ) -> tuple[Array, tuple[str, ...]]:
-        """Choose the trial, shape=[n, 5], that is best for each joint's own rotation error, and its side."""
-        point, chosen, least = diagonal.copy(), list(diagonal_sides), np.full(self.n_joints, -np.inf)
-        least[self._turning] = np.inf  # the others keep what they have
-        for number, trial in enumerate(trials):
-            side = self._sides[number % len(self._sides)]
-            trial_sides = diagonal_sides if self._one_side else (side,) * self.n_joints
-            trial_point = diagonal.copy()
-            trial_point[:, [*_MOMENTS, *_AXES]] = trial
-            trial_errors = self._rotation_errors(trial_point, trial_sides)
-            better = np.flatnonzero(trial_errors < least)
-            point[better], least[better] = trial_point[better], trial_errors[better]
-            for joint in better:
-                chosen[joint] = trial_sides[joint]
-        return point, tuple(chosen)
-
-    def _rotation_errors(self, point: Array, sides: tuple[str, ...]) -> Array:
-        """Rotation errors of the joints that turn, shape=[B], and those at the start of the others."""
-        self.evaluations += 1
-        curve = self.curve(point[self._turning], [sides[joint] for joint in self._turning])
-        errors = self._base_errors.copy()
-        errors[self._turning] = self.objective.rotation_errors_by_joint(curve, "quick", self._turning)
-        self._progress(self.evaluations, self.best_value)
-        return errors
-
-
-def _by_coordinates(gradient: Array, point: Array) -> Array:
-    """Derive by the axes' rotation vector instead of by a turn from the left."""
-    by_vector = np.einsum("bij,bi->bj", left_jacobian(point[:, _AXES]), gradient[:, _AXES])
-    return np.concatenate([gradient[:, _MOMENTS], by_vector, gradient[:, _TENSIONS]], axis=1)
-
-
-def left_jacobian(vector: Array) -> Array:
-    """Differentiate a rotation, as a turn from the left, by its rotation vector (Sola 2017, equation 145).
-
-    Parameters
-    ----------
-    vector : array-like, shape=[..., 3]
-
-    Returns
-    -------
-    jacobian : array-like, shape=[..., 3, 3]
-    """
-    angle = np.linalg.norm(vector, axis=-1)[..., None, None]
-    zero = np.zeros_like(vector[..., 0])
-    x, y, z = np.moveaxis(vector, -1, 0)
-    rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
-    hat = np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
-    small = angle < 1e-4
-    safe = np.where(small, 1.0, angle)
-    first = np.where(small, 0.5 - angle**2 / 24.0, (1.0 - np.cos(safe)) / safe**2)
-    second = np.where(small, 1.0 / 6.0 - angle**2 / 120.0, (safe - np.sin(safe)) / safe**3)
-    return np.eye(3) + first * hat + second * (hat @ hat)
+def _search_roughly(
+    objective: Learnable, n_joints: int, family: str, invariance: str, scheme: str, tally: Tally
+) -> Found:
+    sides = INVARIANCES if invariance in ("clip", "joint") else (invariance,)
+    search = Search(objective, n_joints, family, scheme, sides, invariance != "joint", tally)
+    grids = {side: search.grid(side, _GRID) for side in sides}
+    fits = {side: search.refine(best, (side,) * n_joints, _ROUNDS) for side, best in grids.items()}
+    for side, point in fits.items():
+        search.offer_by_joint(point, (side,) * n_joints)
+    # what is best for rotations may be far from what is best for bone ends alone
+    starts = [fits, grids] if objective.kind == "loc" else [fits]
+    for start in starts:
+        if invariance == "clip" or len(starts) > 1:
+            for side, point in start.items():
+                search.descend(point, (side,) * n_joints, ROUGHLY)
+    if family == "spd":
+        search.tilt(*_TILTED)
+    search.descend(search.best_point, search.best_sides, ROUGHLY)
+    return search.found

@@ -17,7 +17,8 @@ from geomstats_anim.criteria import quality
 from geomstats_anim.interpolation.schemes import SCHEMES
 from geomstats_anim.interpolation.tangents import STILL
 from geomstats_anim.learned_metric import LearnedMetric
-from geomstats_anim.learning.gradient import Found, Learnable, search_gradient
+from geomstats_anim.learning.gradient import search_gradient
+from geomstats_anim.learning.learnable import Found, Learnable
 from geomstats_anim.learning.objective import Objective
 from geomstats_anim.learning.shrinkage import Fold, blocks, shrink
 from geomstats_anim.names import DEFAULT_SCHEME, PURPOSES, SEARCHES, WITH_METRIC

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -124,14 +125,23 @@ class Objective:
 
         A rotation error depends on the metric and tension of its own joint, a part on those of the joints above it too.
         """
+        rotation, parts = self._errors(curve, _smooth)
+        return np.stack([(self._weights * errors).sum(axis=0) for errors in (rotation, parts)])
+
+    def quality(self, curve: CurveParameters) -> float:
+        """Quality of what `interpolate` makes of the keys, without the smoothing of `value`."""
+        return float((self._weights * self._errors(curve, np.abs)[1]).sum())
+
+    def _errors(self, curve: CurveParameters, smooth: Callable[[Array], Array]) -> tuple[Array, Array]:
+        """Return the rotation errors, and the parts of the quality, shape=[F, B]."""
         rotations = self._rotations(curve)
-        rotation = _smooth(quat.distance(self.animation.rotations, rotations))
+        rotation = smooth(quat.distance(self.animation.rotations, rotations))
         part = self._shares.rotation * rotation
         if self._shares.location:
             translations = self._path.tightened(curve.translation_tension)(self._segment, self._fraction)
             miss = place(self.animation.skeleton, rotations, translations).ends - self._truth
             part += self._shares.location * (miss**2).sum(axis=-1)
-        return np.stack([(self._weights * errors).sum(axis=0) for errors in (rotation, part)])
+        return rotation, part
 
     def value(self, curve: CurveParameters) -> float:
         """Quality of what `interpolate` makes of the keys; 0 is perfect."""

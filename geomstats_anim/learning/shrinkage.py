@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from geomstats_anim.learning.gradient import Found, Learnable
+from geomstats_anim.learning.learnable import Found, Learnable
 from geomstats_anim.parameters import CurveParameters, MetricParameters
 from geomstats_anim.rotations import Array
 

@@ -21,7 +21,7 @@ from ray import tune
 from ray.tune.search import ConcurrencyLimiter
 from ray.tune.search.hyperopt import HyperOptSearch
 
-from geomstats_anim.learning.gradient import Learnable
+from geomstats_anim.learning.learnable import Learnable
 from geomstats_anim.learning.tune.loggers import file_loggers, wandb_logger
 from geomstats_anim.learning.tune.ray_runtime import running
 from geomstats_anim.learning.tune.settings import WINDOW, TuneSettings

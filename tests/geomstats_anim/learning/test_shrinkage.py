@@ -5,7 +5,7 @@ import pytest
 from wanderings import N_JOINTS, metric
 
 from geomstats_anim import MetricParameters
-from geomstats_anim.learning.gradient import Found
+from geomstats_anim.learning.learnable import Found
 from geomstats_anim.learning.shrinkage import FACTORS, N_FOLDS, Fold, blocks, scaled, shrink
 from geomstats_anim.parameters import CurveParameters
 
