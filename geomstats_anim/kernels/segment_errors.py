@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from geomstats_anim.kernels.compilation import compiled
-from geomstats_anim.kernels.vectors import multiply, rotate
+from geomstats_anim.kernels.vectors import conjugate, dot, multiply, rotate
 
 _PATIENCE = 24
 """Segments in a row that are beyond the tolerance before longer ones are no longer tried: slerp may meet a motion that
@@ -26,8 +26,26 @@ def fill(start, stop, candidates, truth, errors):
 
 
 @compiled
+def fill_layers(start, stop, layers, truth, errors):
+    """Fill in the elements from start to stop of the flattened errors, shape=[K - 1, M, M], between layers of frames.
+
+    The layers, shape=[K, M], hold frames, and -1 where they have fewer.
+    """
+    room, width = _room(len(truth.order)), layers.shape[1]
+    for segment in range(start, stop):
+        k, pair = divmod(segment, width * width)
+        i, j = divmod(pair, width)
+        first, last = layers[k, i], layers[k + 1, j]
+        if 0 <= first < last:
+            errors[k, i, j] = _error(first, last, truth, np.inf, room)
+
+
+@compiled
 def reach(candidates, forced, truth, tolerance, before):
-    """Fill in the candidate before each one, shape=[N], on the path of fewest keys within a tolerance."""
+    """Fill in the candidate before each one, shape=[N], on the path of fewest keys within a tolerance.
+
+    Where no path leads, it is -1.
+    """
     n_candidates, room = len(candidates), _room(len(truth.order))
     keys = np.full(n_candidates, n_candidates + 1)
     keys[0] = 0
@@ -65,6 +83,46 @@ def cheapest(errors, forced, largest, steps):
                     steps[k, m] = m - n
         cost, longer = longer, cost
     return cost[-1]
+
+
+@compiled
+def cheapest_of_layers(errors, largest, steps):
+    """Fill in the element of the layer before, shape=[K, M], on the cheapest path to each; return the costs, shape=[M].
+
+    A path may start at any element of the first layer that a segment leaves.
+    """
+    n_layers, width = steps.shape
+    cost = np.zeros(width)
+    for k in range(1, n_layers):
+        longer = np.full(width, np.inf)
+        for j in range(width):
+            for i in range(width):
+                error = errors[k - 1, i, j]
+                total = max(cost[i], error) if largest else cost[i] + error
+                if total < longer[j]:
+                    longer[j] = total
+                    steps[k, j] = i
+        cost = longer
+    return cost
+
+
+@compiled
+def hold_starts(rotations, translations, still, starts):
+    """Fill in the first frame, shape=[F], from which no joint has turned or moved by more than what is still."""
+    n_frames, n_joints = rotations.shape[:2]
+    start = 0
+    for f in range(1, n_frames):
+        starts[f] = start
+        for b in range(n_joints):
+            turn = multiply(conjugate(rotations[start, b]), rotations[f, b])
+            angle = 2.0 * np.arctan2(np.sqrt(dot(turn, turn)), abs(turn[3]))
+            moved = 0.0
+            for i in range(3):
+                moved = max(moved, abs(translations[f, b, i] - translations[start, b, i]))
+            if angle > still or moved > still:
+                start = f
+                starts[f] = f
+                break
 
 
 @compiled

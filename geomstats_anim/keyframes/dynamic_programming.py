@@ -17,6 +17,10 @@ from geomstats_anim.kinematics import breadth_first, world_pose
 from geomstats_anim.rotations import Array
 
 
+class UnreachableError(ValueError):
+    """No choice of keys leads from the first frame to the last."""
+
+
 class Measure(NamedTuple):
     """What counts as error.
 
@@ -53,7 +57,7 @@ def segment_errors(animation: Animation, candidates: np.ndarray, window: int, me
         infinite beyond the last candidate.
     """
     errors = np.full((len(candidates), window), np.inf)
-    truth = _truth(animation, measure)
+    truth = truth_of(animation, measure)
 
     def run(part: slice) -> None:
         kernel.fill(part.start, part.stop, candidates, truth, errors)
@@ -80,12 +84,19 @@ def fewest(animation: Animation, candidates: np.ndarray, forced: np.ndarray, tol
     -------
     chosen : array-like of int, shape=[K]
         Indices of candidates.
+
+    Raises
+    ------
+    UnreachableError
+        If even neighbouring candidates are not within the tolerance.
     """
     nothing = np.zeros(animation.n_joints)
-    before = np.zeros(len(candidates), dtype=np.intp)
-    kernel.reach(candidates, forced, _truth(animation, Measure(nothing, nothing, True)), tolerance, before)
+    before = np.full(len(candidates), -1, dtype=np.intp)
+    kernel.reach(candidates, forced, truth_of(animation, Measure(nothing, nothing, True)), tolerance, before)
     chosen = [len(candidates) - 1]
     while chosen[-1]:
+        if before[chosen[-1]] < 0:
+            raise UnreachableError(f"No keys among {len(candidates)} frames stay within {tolerance:g} m.")
         chosen.append(int(before[chosen[-1]]))
     return np.array(chosen[::-1], dtype=np.intp)
 
@@ -107,12 +118,17 @@ def cheapest(errors: Array, forced: np.ndarray, count: int, largest: bool) -> np
     Returns
     -------
     chosen : array-like of int, shape=[K]
-        Indices of candidates. None if the window is too narrow for so few.
+        Indices of candidates.
+
+    Raises
+    ------
+    UnreachableError
+        If the window is too narrow for so few.
     """
     steps = np.zeros((count, len(errors)), dtype=np.uint16)
     total = kernel.cheapest(errors, forced, largest, steps)
     if not np.isfinite(total):
-        return np.zeros(0, dtype=np.intp)
+        raise UnreachableError(f"No {count} of {len(errors)} frames are joined by segments that were measured.")
     chosen = [len(errors) - 1]
     for row in steps[:0:-1]:
         chosen.append(chosen[-1] - int(row[chosen[-1]]))
@@ -134,7 +150,8 @@ class Truth(NamedTuple):
     largest: bool
 
 
-def _truth(animation: Animation, measure: Measure) -> Truth:
+def truth_of(animation: Animation, measure: Measure) -> Truth:
+    """Copy what the compiled code needs into plain arrays."""
     skeleton = animation.skeleton
     # copies, as compiled code has one variant for arrays that may be written to and another for those that may not
     return Truth(

@@ -8,21 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geomstats_anim import rotations as quat
 from geomstats_anim.animation import Animation
 from geomstats_anim.criteria import joint_weights, kind_shares
 from geomstats_anim.interpolation.curves import Metric
 from geomstats_anim.interpolation.schemes import SCHEMES
 from geomstats_anim.interpolation.tangents import STILL
-from geomstats_anim.keyframes.dynamic_programming import Measure, cheapest, fewest, segment_errors
+from geomstats_anim.kernels.segment_errors import hold_starts
+from geomstats_anim.keyframes.coarse_to_fine import cheapest_keys
+from geomstats_anim.keyframes.dynamic_programming import Measure, UnreachableError, fewest
 from geomstats_anim.keyframes.local_search import Judge, judge_of, moved, thinned
 from geomstats_anim.learned_metric import LearnedMetric
 from geomstats_anim.names import CRITERIA, KINDS, LARGEST
-
-_WINDOW = 5
-"""Usual distances of keys that one segment may span: wider ones change the outcome by less than one per cent."""
-
-_LEAST_WINDOW = 8
 
 _HOLD_SECONDS = 0.25
 """A pose that stays for less is no hold, but animation on twos or threes."""
@@ -84,11 +80,13 @@ def optimal_keyframes(
     keep: ArrayLike = (),
     weights: str | ArrayLike | None = None,
     location_weight: float = 0.5,
+    progress: Callable[[float], None] = lambda share: None,
 ) -> np.ndarray:
     """Choose the keys from which an animation is rebuilt best, or the fewest from which it is rebuilt well enough.
 
     For slerp the choice is exact, by dynamic programming over the error of every segment, as in Roberts et al.,
-    "Salient Poses" (2019), as long as no segment is several times longer than usual. For other schemes that choice is
+    "Salient Poses" (2019), as long as no segment is several times longer than usual; a count is sought from coarse to
+    fine where a clip is too long for that, see `coarse_to_fine`. For other schemes that choice is
     where a search begins which moves, removes and adds keys under the scheme itself.
 
     Parameters
@@ -117,6 +115,9 @@ def optimal_keyframes(
         Share of "loc" in "hyb".
         Optional, default: 0.5.
 
+    progress : callable
+        Called with the share of the work that is done, from 0 to 1, while a count is sought in many frames.
+
     Returns
     -------
     indices : array-like of int, shape=[K]
@@ -142,7 +143,7 @@ def optimal_keyframes(
     problem = KeyProblem.of(animation, count, tolerance, kind, keep, weights, location_weight)
     if scheme not in SCHEMES:
         raise ValueError(f"There is no scheme {scheme!r}; the schemes are {', '.join(SCHEMES)}.")
-    return problem.refined(problem.under_slerp(), scheme, metric)
+    return problem.refined(problem.under_slerp(progress), scheme, metric)
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,28 +201,28 @@ class KeyProblem:
         inner = inner[~np.isin(inner, fixed)]
         return cls(animation, measure, count, tolerance, fixed, inner)
 
-    def under_slerp(self) -> np.ndarray:
-        """Choose the best keys for slerp."""
+    def under_slerp(self, progress: Callable[[float], None] = lambda share: None) -> np.ndarray:
+        """Choose the best keys for slerp; see `optimal_keyframes`."""
         n_frames, count = self.animation.n_frames, self.count
         free = np.setdiff1d(np.arange(n_frames), self.held)
         if count is None:
             assert self.tolerance is not None
-            return free[fewest(self.animation, free, np.isin(free, self.fixed), self.tolerance)]
+            try:
+                return free[fewest(self.animation, free, np.isin(free, self.fixed), self.tolerance)]
+            except UnreachableError:  # holds move by more than the tolerance
+                every = np.arange(n_frames)
+                return fewest(self.animation, every, np.isin(every, self.fixed), self.tolerance)
         if not len(self.fixed) <= count <= n_frames:
             raise ValueError(
                 f"count is {count}, but {len(self.fixed)} of {n_frames} frames must stay: the ends, those of holds and "
                 f"those of keep; say {len(self.fixed)} to {n_frames}."
             )
+        if count == len(self.fixed):
+            return self.fixed
         # what is left over goes into the holds
         free = np.union1d(free, self.held[: max(0, count - len(free))])
         forced = np.isin(free, self.fixed)
-        window = max(_LEAST_WINDOW, -(-_WINDOW * len(free) // count))
-        while True:
-            errors = segment_errors(self.animation, free, min(window, len(free) - 1), self.measure)
-            chosen = cheapest(errors, forced, count, self.measure.largest)
-            if len(chosen):
-                return free[chosen]
-            window *= 2  # so many frames must stay in one place that few keys are left for the rest
+        return free[cheapest_keys(self.animation, free, forced, count, self.measure, progress)]
 
     def judge(self, scheme: str, metric: Metric | None) -> Judge:
         """Make what tells the cost of every frame under a scheme."""
@@ -253,10 +254,10 @@ def _measure(kind: str, animation: Animation, weights: str | ArrayLike | None, l
 
 def _holds(animation: Animation) -> tuple[np.ndarray, np.ndarray]:
     """Frames at both ends of every hold of the whole skeleton, and those within."""
-    still = (quat.distance(animation.rotations[1:], animation.rotations[:-1]) <= STILL).all(axis=-1)
-    still &= (np.abs(np.diff(animation.translations, axis=0)) <= STILL).all(axis=(-2, -1))
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]])))
-    starts, stops = edges[::2], edges[1::2]
+    first = np.zeros(animation.n_frames, dtype=np.intp)
+    hold_starts(np.array(animation.rotations), np.array(animation.translations), STILL, first)
+    starts = np.unique(first)
+    stops = np.append(starts[1:], animation.n_frames) - 1
     long = animation.times[stops] - animation.times[starts] >= _HOLD_SECONDS
     starts, stops = starts[long], stops[long]
     inner = [np.arange(a + 1, b) for a, b in zip(starts, stops, strict=True)]

@@ -8,7 +8,13 @@ from scipy.spatial.transform import Rotation
 
 from geomstats_anim import SCHEMES, Animation, MetricParameters, Skeleton, interpolate, optimal_keyframes, quality
 from geomstats_anim.criteria import location_errors
-from geomstats_anim.keyframes.dynamic_programming import Measure, segment_errors
+from geomstats_anim.keyframes.dynamic_programming import (
+    Measure,
+    UnreachableError,
+    cheapest,
+    fewest,
+    segment_errors,
+)
 from geomstats_anim.names import CRITERIA
 
 SKELETON = Skeleton(
@@ -130,6 +136,58 @@ def test_ends_of_holds_stay():
         assert {0, 10, 25, 39} <= set(keys.tolist())
         assert not set(keys.tolist()) & set(range(11, 25))
     assert len(optimal_keyframes(animation, 39)) == 39  # more than there is to see
+
+
+def breathing(n_frames=1400, radians_per_frame=9e-7, metres=0.0):
+    """A turn, or a way, that is too slow to be seen from one frame to the next, forth and back."""
+    phase = np.minimum(np.arange(n_frames), np.arange(n_frames)[::-1])
+    turns = Rotation.from_rotvec(radians_per_frame * phase[:, None] * [0.0, 0.0, 1.0]).as_quat()
+    rotations = np.tile([0.0, 0.0, 0.0, 1.0], (n_frames, 3, 1))
+    rotations[:, 0] = turns
+    translations = np.tile(SKELETON.rest_translations, (n_frames, 1, 1))
+    translations[:, 0, 0] += metres * phase
+    return Animation(SKELETON, np.arange(n_frames) / 120.0, rotations, translations)
+
+
+@pytest.mark.parametrize("motion", [{}, {"radians_per_frame": 0.0, "metres": 9e-7}])
+def test_a_slow_breath_is_no_hold(motion):
+    animation = breathing(**motion)
+    keys = optimal_keyframes(animation, tolerance=1e-4)
+    assert cost(animation, keys, "max") <= 1e-4
+    assert 3 <= len(keys) <= 20
+
+
+def test_a_hold_lasts_as_long_as_the_pose_is_that_of_its_first_frame():
+    noise = 2e-7 * np.random.default_rng(0).uniform(-1.0, 1.0, (60, 3, 3))
+    still = clip(60)
+    rotations = Rotation.from_rotvec(noise.reshape(-1, 3)).as_quat().reshape(60, 3, 4)
+    still = Animation(SKELETON, still.times, rotations, np.tile(SKELETON.rest_translations, (60, 1, 1)))
+    assert optimal_keyframes(still, tolerance=1e-4).tolist() == [0, 59]
+    # a tolerance below the noise needs the frames within
+    keys = optimal_keyframes(still, tolerance=1e-8)
+    assert cost(still, keys, "max") <= 1e-8
+
+
+def test_a_pose_held_for_a_fifth_of_a_second_is_no_hold_and_for_a_third_it_is():
+    animation = clip(60, size=0.5)
+    times = np.arange(60) / 30.0
+    animation = Animation(SKELETON, times, animation.rotations, animation.translations)
+    brief, long = with_hold(animation, 20, 26), with_hold(animation, 20, 30)
+    assert len(optimal_keyframes(brief, 2)) == 2
+    assert {20, 30} <= set(optimal_keyframes(long, 5).tolist())
+    with pytest.raises(ValueError, match="4 of 60 frames must stay"):
+        optimal_keyframes(long, 2)
+
+
+def test_keys_that_no_segments_join_are_an_error():
+    animation = clip(40)
+    apart = np.array([0, 20, 39])
+    forced = np.array([True, False, True])
+    with pytest.raises(UnreachableError, match="^No keys among 3 frames stay within 1e-06 m[.]$"):
+        fewest(animation, apart, forced, 1e-6)
+    errors = np.array([[1.0], [1.0], [1.0], [np.inf]])
+    with pytest.raises(UnreachableError, match="^No 2 of 4 frames are joined by segments that were measured[.]$"):
+        cheapest(errors, np.array([True, False, False, True]), 2, False)
 
 
 def test_what_is_to_stay_stays():
