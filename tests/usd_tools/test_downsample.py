@@ -458,7 +458,7 @@ def refused(refuse):
         (["--keys", "41"], f"{ANIMATION} cannot be made sparse so: --keys is 41, but 2 of 40"),
         (["--keys", "3", "--keep", "5,6"], "--keys is 3, but 4 of 40 samples must stay"),
         (["--rate", ".3", "--keep", "5.5"], "--keep 5.5 is no time code of a sample"),
-        (["--rate", ".3", "--keep", "source"], "does not say where its source had samples"),
+        (["--rate", ".3", "--keep", "source"], "does not store the time codes of its source"),
         (["--rate", ".3", "--prim", "/Nowhere"], "--prim /Nowhere: there is no such prim"),
         (["--rate", ".3", "--picture", "{}/kept.gif"], "the name must end in .png, .svg, .pdf"),
         (["--rate", ".3", "--picture", "{}/no/kept.png"], "there is no folder"),
@@ -494,7 +494,7 @@ def test_nothing_to_choose_from(tmp_path, refused):
 
 def test_times_source_needs_a_sparse_file(tmp_path, clip, refuse):
     sentence = refuse("upsample", clip, "-o", tmp_path / "out.usda", "--times", "source")
-    assert "does not say where its source had samples" in sentence
+    assert "does not store the time codes of its source" in sentence
 
 
 def test_broken_source_time_codes(tmp_path, clip, run, refuse):

@@ -193,7 +193,7 @@ def test_options_are_checked_wherever_they_come_from(tmp_path):
         (UpsampleOptions, {"factor": 2, "retime": True}, "--retime needs --fps"),
         (UpsampleOptions, {"factor": 2, "scheme": "slurp"}, "--scheme must be .*; did you mean slerp"),
         (UpsampleOptions, {"factor": 2, "alpha": -1.0}, "--alpha must be a positive number, not -1.0"),
-        (UpsampleOptions, {"times": [1, float("nan")]}, "--times must be finite numbers"),
+        (UpsampleOptions, {"times": [1, float("nan")]}, "--times must be comma-separated numbers"),
         (UpsampleOptions, {"factor": 2, "usd_format": "usdz"}, "--usdFormat must be usda or usdc, not 'usdz'"),
         (DownsampleOptions, {}, "name exactly one of --rate, --keys and --tolerance, not none"),
         (DownsampleOptions, {"rate": 1.0}, "--rate must be a number above 0 and below 1, not 1.0"),
