@@ -30,7 +30,7 @@ sys.path.insert(0, str(ROOT))
 
 from geomstats_anim import SCHEMES  # noqa: E402
 from usd_tools import compare  # noqa: E402
-from usd_tools.comparison.cells import RATES  # noqa: E402
+from usd_tools.comparison.options import RATES  # noqa: E402
 
 NAMES = ("jumping", "pitching", "punching", "rolling", "sitting")
 OURS, SPD = "geodesic-spline", "geodesic:spd"

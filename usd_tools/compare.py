@@ -5,34 +5,81 @@ python -m usd_tools.compare walk.usda run.usda -o comparison
 
 from __future__ import annotations
 
-import argparse
+import os
 import sys
-from collections.abc import Sequence
-from dataclasses import asdict, replace
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
-from geomstats_anim import SCHEMES, __version__
-from geomstats_anim.names import KINDS
-from usd_tools.comparison import tables as comparison_tables
-from usd_tools.comparison.cells import RATES, Contender, Outcome, Row, cells
-from usd_tools.comparison.report.report import write_report
-from usd_tools.comparison.results import ComparedClip, named, write_rebuilt, write_results
-from usd_tools.comparison.run import measure_all
+from geomstats_anim.names import KINDS, SCHEME_NAMES
+from usd_tools.comparison.options import RATES, CompareOptions, SchemeChoice
+from usd_tools.comparison.result import CompareResult
 from usd_tools.console.arguments import add_prim, add_workers, share
-from usd_tools.console.errors import Messages, ToolError, print_warning, run
+from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
-from usd_tools.console.progress import Progress, ProgressBar
-from usd_tools.console.text import say
-from usd_tools.files.folders import check_folder, made_beside
-from usd_tools.files.openusd_errors import openusd_errors, usd_warnings
-from usd_tools.learning.files import find_files, read_clips, training_clips
-from usd_tools.learning.result import Skipped
+from usd_tools.console.progress import ProgressBar, ProgressCallback
 
-TOOL = "usd_tools.compare"
-CONTENTS = ("figures", "index.html", "results.csv", "results.json", "usd")
+__all__ = ["CompareOptions", "CompareResult", "SchemeChoice", "compare", "main", "parser"]
 
 PROG = "python -m usd_tools.compare"
+
+
+def compare(
+    sources: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    out: str | os.PathLike[str],
+    options: CompareOptions | None = None,
+    *,
+    progress: ProgressCallback | None = None,
+    warn: Callable[[str], None] | None = None,
+) -> CompareResult:
+    """Rebuild skeletal animation from few samples by several schemes, score each, and write a report.
+
+    Parameters
+    ----------
+    sources : path or sequence of paths
+        USD files, and folders that are searched with all folders in them.
+    out : path
+        Folder to make; replaced if all its files were made by an earlier comparison.
+    options : CompareOptions
+        Optional, default: `CompareOptions()`.
+    progress : callable
+        Called with the work done, all the work (None if nobody knows), and a text.
+        Optional, default: nobody is told.
+    warn : callable
+        Called with each warning as it comes; all are in the result.
+        Optional, default: nobody is told.
+
+    Returns
+    -------
+    result : CompareResult
+
+    Raises
+    ------
+    ToolError
+        If something is wrong with the files or the folder; nothing is written then.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from pxr import Gf, Usd, UsdSkel
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> stage = Usd.Stage.CreateNew(str(folder / "swing.usda"))
+    >>> swing = UsdSkel.Animation.Define(stage, "/Swing")
+    >>> _ = swing.CreateJointsAttr(["arm"])
+    >>> for code in range(12):
+    ...     turn = Gf.Rotation((1, 0, 0), 40 * (code % 5)) * Gf.Rotation((0, 1, 0), 9 * code)
+    ...     _ = swing.CreateRotationsAttr().Set([Gf.Quatf(turn.GetQuat())], code)
+    >>> stage.Save()
+    >>> options = CompareOptions(rates=[0.5], schemes=["constant", "slerp"])
+    >>> result = compare(folder / "swing.usda", folder / "report", options)
+    >>> constant, slerp = [row.q_hyb for row in result.rows if not row.out_of_sample]
+    >>> slerp < constant
+    True
+    """
+    from usd_tools.comparison.run import compare_files
+
+    paths = [sources] if isinstance(sources, str | os.PathLike) else sources
+    return compare_files(list(map(Path, paths)), Path(out), options or CompareOptions(), progress, warn)
 
 
 def parser(prog: str = PROG) -> ArgumentParser:
@@ -54,7 +101,12 @@ def parser(prog: str = PROG) -> ArgumentParser:
         help="USD file, or folder, searched with all folders in it",
     )
     parse.add_argument(
-        "-o", "--out", metavar="FOLDER", type=Path, required=True, help="folder to make, or to replace if it is ours"
+        "-o",
+        "--out",
+        metavar="FOLDER",
+        type=Path,
+        required=True,
+        help="folder to make, or to replace if an earlier comparison made all that is in it",
     )
     parse.add_argument(
         "--rates",
@@ -67,10 +119,10 @@ def parser(prog: str = PROG) -> ArgumentParser:
     parse.add_argument(
         "--schemes",
         metavar="SCHEME",
-        type=Contender.parse,
+        type=SchemeChoice.parse,
         nargs="+",
-        default=[Contender.parse(scheme) for scheme in SCHEMES],
-        help=f"of {', '.join(SCHEMES)}; one that learns may carry its family, as in geodesic:spd; default: all",
+        default=list(SCHEME_NAMES),
+        help=f"of {', '.join(SCHEME_NAMES)}; one that learns may carry its family, as in geodesic:spd; default: all",
     )
     parse.add_argument(
         "--kind",
@@ -86,116 +138,19 @@ def parser(prog: str = PROG) -> ArgumentParser:
 
 def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
     """Run the command and return its exit code."""
-    args = parser(prog).parse_args(argv)
-    return run(lambda: compare(args))
+    parse = parser(prog)
+    args = parse.parse_args(argv)
 
+    def command() -> int:
+        options = CompareOptions.from_args(args)
+        with ProgressBar() as bar:
+            result = compare(args.inputs, args.out, options, progress=bar, warn=print_warning)
+        from usd_tools.comparison.tables import print_summary
 
-@openusd_errors()
-def compare(args: argparse.Namespace) -> int:
-    """Do what the arguments say."""
-    messages = Messages(print_warning)
-    check_folder(args.out, TOOL, CONTENTS, ())
-    with usd_warnings(messages):
-        clips, skipped = _read(args, messages)
-        sources = [layer.realPath for each in clips for layer in each.clip.source.stage.GetUsedLayers()]
-        check_folder(args.out, TOOL, CONTENTS, [each.path for each in clips] + [path for path in sources if path])
-        outcomes = _measure(args, clips, messages)
-        with made_beside(args.out) as folder:
-            rows = _write(args, folder, clips, outcomes, skipped, messages)
-    for each in clips:
-        comparison_tables.tell(each.name, [row for row in rows if row.clip == each.name], args.kind, args.verbose)
-    say(comparison_tables.EXPLANATION)
-    if args.verbose:
-        say(comparison_tables.FITTED)
-    say(f"Wrote {args.out}; open {args.out / 'index.html'} in a browser.")
-    return 0
+        print_summary(result, options.kind, args.verbose)
+        return 0
 
-
-def _read(args: argparse.Namespace, messages: Messages) -> tuple[list[ComparedClip], list[Skipped]]:
-    files = find_files(args.inputs, messages)
-    found, skipped = [], []
-    for path in files:
-        try:
-            taken, lost = training_clips(path, read_clips(path, args.prim, messages), messages)
-        except ToolError as error:
-            if len(files) == 1:
-                raise
-            messages.warn(f"skipped: {error}")
-            taken, lost = [], [Skipped(path.name, str(error))]
-        found += [(path, clip, take) for clip, take in taken]
-        skipped += lost
-    if not found:
-        raise ToolError(f"None of the {len(files)} files can be compared; the warnings say why.")
-    return named(found), skipped
-
-
-def _measure(args: argparse.Namespace, clips: Sequence[ComparedClip], messages: Messages) -> list[Outcome]:
-    rates, contenders = list(dict.fromkeys(args.rates)), list(dict.fromkeys(args.schemes))
-    wanted = cells([each.name for each in clips], rates, contenders)
-    with ProgressBar() as bar:
-        progress = Progress(bar, len(wanted), "Comparing")
-
-        def done(outcome: Outcome) -> None:
-            if outcome.row.error is not None:
-                messages.warn(f"{outcome.cell} failed: {outcome.row.error}")
-            progress.advance(1.0, f"Comparing: {outcome.cell}")
-
-        return measure_all(wanted, {each.name: each.take for each in clips}, args.kind, args.address, args.cpus, done)
-
-
-def _write(
-    args: argparse.Namespace,
-    folder: Path,
-    clips: Sequence[ComparedClip],
-    outcomes: Sequence[Outcome],
-    skipped: list[Skipped],
-    messages: Messages,
-) -> list[Row]:
-    """Fill the folder."""
-    by_name = {each.name: each for each in clips}
-    rows = []
-    for outcome in outcomes:
-        row = outcome.row
-        if not outcome.cell.unseen and row.error is None:
-            usd = write_rebuilt(folder, by_name[row.clip], outcome, TOOL, args.kind, messages)
-            row = replace(row, usd=usd)
-        rows.append(row)
-    head = _head(args, clips, skipped, messages)
-    write_results(folder, head, rows)
-    with ProgressBar() as bar:
-        progress = Progress(bar, None, "Drawing")
-        write_report(folder, head, clips, outcomes, rows, progress.advance)
-    return rows
-
-
-def _head(
-    args: argparse.Namespace, clips: Sequence[ComparedClip], skipped: list[Skipped], messages: Messages
-) -> dict[str, Any]:
-    """Tell what is compared, as plain values without paths of this machine."""
-    return {
-        "tool": TOOL,
-        "version": __version__,
-        "settings": {
-            "rates": list(dict.fromkeys(args.rates)),
-            "schemes": list(dict.fromkeys(contender.word for contender in args.schemes)),
-            "kind": args.kind,
-            "prim": args.prim,
-        },
-        "clips": [
-            {
-                "clip": each.name,
-                "file": each.take.file,
-                "sha256": each.take.sha256,
-                "prim": each.take.prim,
-                "frames": each.take.n_frames,
-                "joints": each.take.skeleton.n_joints,
-                "stretches": len(each.take.stretches),
-            }
-            for each in clips
-        ],
-        "skipped": [asdict(each) for each in skipped],
-        "warnings": messages.warnings,
-    }
+    return run(command, parse.error)
 
 
 if __name__ == "__main__":

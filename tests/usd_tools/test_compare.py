@@ -14,8 +14,9 @@ from scipy.spatial.transform import Rotation
 
 from geomstats_anim import SCHEMES
 from usd_tools import compare
-from usd_tools.comparison import cells as comparison
-from usd_tools.comparison.cells import Cell, Contender, Row, cells
+from usd_tools.comparison import trials as comparison
+from usd_tools.comparison.options import SchemeChoice
+from usd_tools.comparison.trials import Row, Trial, all_trials
 
 KEYS = (
     "clip rate scheme keys q_loc q_rot q_hyb mean_rotation_deg mean_location_cm max_location_cm bytes_numpy bytes_usdc "
@@ -161,7 +162,7 @@ def test_bytes(folder, rows):
 
 def test_files(folder):
     names = {path.name for path in folder.iterdir()}
-    assert names == {"figures", "index.html", "results.csv", "results.json", "usd"}
+    assert names == {"manifest.json", "figures", "index.html", "results.csv", "results.json", "usd"}
     pictures = {path.name for path in (folder / "figures").iterdir()}
     stems = ["quality", "quality-unseen", *(f"one-{w}" for w in ("overlay", "error", "metric"))]
     assert pictures == {f"{stem}.{suffix}" for stem in stems for suffix in ("png", "svg")}
@@ -282,16 +283,16 @@ def test_clips_of_the_same_name(tmp_path, run):
 
 
 def test_cells_put_what_is_unseen_beside_what_is_seen():
-    slerp, geodesic = Contender.parse("slerp"), Contender.parse("geodesic:spd")
-    assert cells(["walk"], [0.3], [slerp, geodesic]) == [
-        Cell("walk", 0.3, slerp, None, False),
-        Cell("walk", 0.3, slerp, None, True),
-        Cell("walk", 0.3, geodesic, "reconstruct", False),
-        Cell("walk", 0.3, geodesic, "predict", True),
-        Cell("walk", 0.3, geodesic, "reconstruct", True),
+    slerp, geodesic = SchemeChoice.parse("slerp"), SchemeChoice.parse("geodesic:spd")
+    assert all_trials(["walk"], [0.3], [slerp, geodesic]) == [
+        Trial("walk", 0.3, slerp, None, False),
+        Trial("walk", 0.3, slerp, None, True),
+        Trial("walk", 0.3, geodesic, "reconstruct", False),
+        Trial("walk", 0.3, geodesic, "predict", True),
+        Trial("walk", 0.3, geodesic, "reconstruct", True),
     ]
     assert (geodesic.word, geodesic.scheme, geodesic.family) == ("geodesic:spd", "geodesic", "spd")
-    assert Contender.parse("geodesic:diagonal").word == "geodesic"
+    assert SchemeChoice.parse("geodesic:diagonal").word == "geodesic"
 
 
 @pytest.mark.slow

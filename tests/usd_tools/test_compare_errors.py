@@ -1,5 +1,6 @@
 """Bad input to compare: one sentence, an exit code, nothing written, the input untouched."""
 
+import json
 import subprocess
 import sys
 from functools import partial
@@ -7,8 +8,9 @@ from functools import partial
 import pytest
 from rigs import make_rig, random_rotations
 
-from usd_tools import compare
+from usd_tools.comparison import run as comparison_run
 from usd_tools.console.errors import ToolError
+from usd_tools.files.folders import check_folder, made_beside
 
 
 @pytest.fixture
@@ -102,10 +104,53 @@ def test_out_looks_like_ours_but_is_not(tmp_path, clip, refused):
     assert sentence == "--out out holds results.json, which usd_tools.compare did not write; choose another name."
 
 
+@pytest.mark.parametrize("manifest", ["[]", "{", '{"tool": "other", "files": ["usd/mine.usda"]}', '{"tool": 1}'])
+def test_out_with_a_manifest_of_others(tmp_path, clip, refused, manifest):
+    (tmp_path / "out" / "usd").mkdir(parents=True)
+    (tmp_path / "out" / "usd" / "mine.usda").write_text("mine")
+    (tmp_path / "out" / "manifest.json").write_text(manifest)
+    sentence = refused(clip, "-o", tmp_path / "out")
+    assert sentence == "--out out holds manifest.json, which usd_tools.compare did not write; choose another name."
+
+
+@pytest.mark.parametrize("place", ["notes.txt", "usd/in/notes.txt", "figures/deep/er/notes.txt", "usd/link"])
+def test_files_of_others_in_any_depth_stay(tmp_path, clip, run, refused, place):
+    words = ["compare", clip, "-o", tmp_path / "out", "--rates", ".4", "--schemes", "slerp"]
+    assert run(*words)[0] == 0
+    assert run(*words)[0] == 0  # nothing there but ours
+    mine = tmp_path / "out" / place
+    mine.parent.mkdir(parents=True, exist_ok=True)
+    if place.endswith("link"):
+        mine.symlink_to(tmp_path)
+    else:
+        mine.write_text("mine")
+    sentence = refused(*words[1:])
+    assert sentence == f"--out out holds {place}, which usd_tools.compare did not write; choose another name."
+
+
+def test_files_that_come_during_the_work_move_along(tmp_path):
+    def fill(text, late=()):
+        with made_beside(tmp_path / "out", "tool") as folder:
+            (folder / "a").mkdir()
+            (folder / "a" / "ours.txt").write_text(text)
+            for name in late:
+                (tmp_path / "out" / name).parent.mkdir(exist_ok=True)
+                (tmp_path / "out" / name).write_text("mine")
+
+    fill("one")
+    fill("two", ["a/b/mine.txt", "mine.txt"])
+    found = {path.relative_to(tmp_path / "out").as_posix(): path.read_text() for path in tmp_path.rglob("*.txt")}
+    assert found == {"a/ours.txt": "two", "a/b/mine.txt": "mine", "mine.txt": "mine"}
+    with pytest.raises(ToolError, match="mine.txt, which tool did not write"):
+        check_folder(tmp_path / "out", "tool", ())
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
 def test_out_holds_the_input(tmp_path, clip, refused):
     (tmp_path / "out" / "usd").mkdir(parents=True)
-    (tmp_path / "out" / "results.json").write_text('{"tool": "usd_tools.compare"}')
     make_rig(tmp_path / "out" / "usd" / "in.usda", codes=range(20), rotations=random_rotations(20, 3))
+    manifest = {"tool": "usd_tools.compare", "files": ["manifest.json", "usd/in.usda"]}
+    (tmp_path / "out" / "manifest.json").write_text(json.dumps(manifest))
     sentence = refused(tmp_path / "out" / "usd" / "in.usda", "-o", tmp_path / "out")
     assert sentence == "--out out holds the input out/usd/in.usda and would be replaced; choose another name."
 
@@ -114,7 +159,7 @@ def test_nothing_is_left_when_drawing_fails(tmp_path, clip, out, refused, monkey
     def broken(*_):
         raise ToolError("out of paint.")
 
-    monkeypatch.setattr(compare, "write_report", broken)
+    monkeypatch.setattr(comparison_run, "write_report", broken)
     assert refused(clip, *out, "--rates", ".4", "--schemes", "slerp") == "out of paint."
     assert [path.name for path in tmp_path.iterdir()] == ["in.usda"]
 

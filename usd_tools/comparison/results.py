@@ -5,14 +5,14 @@ from __future__ import annotations
 import csv
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from usd_tools.comparison.cells import Outcome, Rebuilt, Row, rebuild
+from usd_tools.comparison.result import CompareResult
+from usd_tools.comparison.trials import Rebuilt, Row, TrialResult, rebuild
 from usd_tools.console.errors import Messages
 from usd_tools.learning.clips import TrainingClip
 from usd_tools.skel.channels import JOINT_CHANNELS, Channel
@@ -59,26 +59,23 @@ def named(clips: Sequence[tuple[Path, SkelClip, TrainingClip]]) -> list[Compared
     return list(named.values())
 
 
-def write_results(folder: Path, head: Mapping[str, Any], rows: Sequence[Row]) -> None:
+def write_results(folder: Path, result: CompareResult) -> None:
     """Write results.json and results.csv.
 
     Parameters
     ----------
     folder : Path
-    head : mapping
-        What results.json says before its `rows`.
-    rows : sequence of Row
+    result : CompareResult
     """
-    document = {**head, "rows": [asdict(row) for row in rows]}
-    (folder / "results.json").write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+    (folder / "results.json").write_text(json.dumps(result.as_dict(), indent=1) + "\n", encoding="utf-8")
     with open(folder / "results.csv", "w", encoding="utf-8", newline="") as file:
         table = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         table.writeheader()
-        table.writerows(asdict(row) for row in rows)
+        table.writerows(asdict(row) for row in result.rows)
 
 
 def write_rebuilt(
-    folder: Path, compared: ComparedClip, outcome: Outcome, tool: str, kind: str, messages: Messages
+    folder: Path, compared: ComparedClip, result: TrialResult, tool: str, kind: str, messages: Messages
 ) -> str:
     """Write a rebuilt clip as a layer over its source, in the folder `usd`.
 
@@ -89,7 +86,7 @@ def write_rebuilt(
     folder : Path
         Of the comparison.
     compared : ComparedClip
-    outcome : Outcome
+    result : TrialResult
         Of the whole clip, without error.
     tool, kind : str
         For the layer's `customLayerData`.
@@ -100,14 +97,14 @@ def write_rebuilt(
     name : str
         Of the file, as seen from the folder.
     """
-    cell, clip = outcome.cell, compared.clip
-    scheme = cell.contender.scheme
-    rebuilt = rebuild(compared.take.stretches, cell.rate, scheme, outcome.metric)
-    settings = {"rate": cell.rate, "scheme": cell.contender.word, "kind": kind}
+    trial, clip = result.trial, compared.clip
+    scheme = trial.choice.scheme
+    rebuilt = rebuild(compared.take.stretches, trial.rate, scheme, result.metric)
+    settings = {"rate": trial.rate, "scheme": trial.choice.word, "kind": kind}
     layer = OverrideLayer(clip.source.stage, tool, settings)
-    metric = None if outcome.metric is None else outcome.metric.for_joints(clip.joints)[0]
+    metric = None if result.metric is None else result.metric.for_joints(clip.joints)[0]
     layer.write_animation(clip.source, rebuilt_channels(clip, compared.take, rebuilt), clip.missing, metric, messages)
-    name = f"usd/{cell.clip}/{cell.rate:g}/{cell.contender.word.replace(':', '_')}.usdc"
+    name = f"usd/{trial.clip}/{trial.rate:g}/{trial.choice.word.replace(':', '_')}.usdc"
     (folder / name).parent.mkdir(parents=True, exist_ok=True)
     save(layer, compared.path, folder / name)
     return name

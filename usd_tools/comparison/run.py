@@ -1,78 +1,118 @@
-"""All cells of a comparison, one after the other or spread by Ray."""
+"""The work of `compare`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
 
-from geomstats_anim.learning.tune import ray_runtime
-from usd_tools.comparison.cells import Cell, Outcome, failed, measure
-from usd_tools.console.errors import ToolError
-from usd_tools.learning.clips import TrainingClip
-
-Done = Callable[[Outcome], None]
-
-
-def measure_all(
-    cells: Sequence[Cell],
-    takes: Mapping[str, TrainingClip],
-    kind: str,
-    address: str | None = None,
-    cpus: int | None = None,
-    done: Done = lambda outcome: None,
-) -> list[Outcome]:
-    """Measure cells.
-
-    Parameters
-    ----------
-    cells : sequence of Cell
-    takes : mapping of str to TrainingClip
-        By the names of clips.
-    kind : str
-        Quality that learning minimises.
-    address : str
-        Of a Ray cluster.
-        Optional, default: the environment variable RAY_ADDRESS, else none.
-    cpus : int
-        Workers; Ray is started for more than one.
-        Optional, default: 1.
-    done : callable
-        Told of each outcome as it comes.
-
-    Returns
-    -------
-    outcomes : list of Outcome
-        In the order of the cells, and the same however many workers there are.
-
-    Raises
-    ------
-    ToolError
-        If Ray is asked for, but is not installed or cannot be joined.
-    """
-    if not ray_runtime.is_wanted(address, cpus):
-        outcomes = []
-        for cell in cells:
-            outcomes.append(measure(cell, takes[cell.clip], kind))
-            done(outcomes[-1])
-        return outcomes
-    try:
-        with ray_runtime.running(address, cpus):
-            return _spread(cells, takes, kind, done)
-    except (ModuleNotFoundError, ConnectionError) as error:
-        raise ToolError(str(error)) from error
+from usd_tools.comparison.options import CompareOptions
+from usd_tools.comparison.report.report import write_report
+from usd_tools.comparison.result import TOOL, CompareResult
+from usd_tools.comparison.results import ComparedClip, named, write_rebuilt, write_results
+from usd_tools.comparison.trials import TrialResult, all_trials
+from usd_tools.comparison.workers import measure_all
+from usd_tools.console.errors import Messages, ToolError
+from usd_tools.console.progress import Progress, ProgressCallback
+from usd_tools.files.folders import check_folder, made_beside
+from usd_tools.files.openusd_errors import openusd_errors, usd_warnings
+from usd_tools.learning.files import find_files, read_clips, training_clips
+from usd_tools.learning.result import Skipped
 
 
-def _spread(cells: Sequence[Cell], takes: Mapping[str, TrainingClip], kind: str, done: Done) -> list[Outcome]:
-    ray = ray_runtime.require("ray")
-    task = ray.remote(measure)
-    there = {name: ray.put(take) for name, take in takes.items()}
-    waiting = {task.remote(cell, there[cell.clip], kind): cell for cell in cells}
-    outcomes: dict[Cell, Outcome] = {}
-    while waiting:
-        (ready,), _ = ray.wait(list(waiting))
-        cell = waiting.pop(ready)
+@openusd_errors()
+def compare_files(
+    sources: Sequence[Path],
+    out: Path,
+    options: CompareOptions,
+    progress: ProgressCallback | None,
+    warn: Callable[[str], None] | None,
+) -> CompareResult:
+    """Compare schemes on files; see `usd_tools.compare.compare`."""
+    messages = Messages(warn)
+    check_folder(out, TOOL, ())
+    with usd_warnings(messages):
+        clips, skipped = _read(sources, options, messages)
+        layers = [layer.realPath for each in clips for layer in each.clip.source.stage.GetUsedLayers()]
+        check_folder(out, TOOL, [each.path for each in clips] + [path for path in layers if path])
+        results = _measure(clips, options, messages, progress)
+        with made_beside(out, TOOL) as folder:
+            return _write(out, folder, clips, results, skipped, options, messages, progress)
+
+
+def _read(
+    sources: Sequence[Path], options: CompareOptions, messages: Messages
+) -> tuple[list[ComparedClip], list[Skipped]]:
+    files = find_files(sources, messages)
+    found, skipped = [], []
+    for path in files:
         try:
-            outcomes[cell] = ray.get(ready)
-        except ray.exceptions.RayError as error:  # a worker has died
-            outcomes[cell] = failed(cell, error)
-        done(outcomes[cell])
-    return [outcomes[cell] for cell in cells]
+            taken, lost = training_clips(path, read_clips(path, options.prim, messages), messages)
+        except ToolError as error:
+            if len(files) == 1:
+                raise
+            messages.warn(f"skipped: {error}")
+            taken, lost = [], [Skipped(path.name, str(error))]
+        found += [(path, clip, take) for clip, take in taken]
+        skipped += lost
+    if not found:
+        raise ToolError(f"None of the {len(files)} files can be compared; the warnings say why.")
+    return named(found), skipped
+
+
+def _measure(
+    clips: Sequence[ComparedClip], options: CompareOptions, messages: Messages, progress: ProgressCallback | None
+) -> list[TrialResult]:
+    wanted = all_trials([each.name for each in clips], options.rates, options.schemes)
+    bar = Progress(progress, len(wanted), "Comparing")
+
+    def done(result: TrialResult) -> None:
+        if result.row.error is not None:
+            messages.warn(f"{result.trial} failed: {result.row.error}")
+        bar.advance(1.0, f"Comparing: {result.trial}")
+
+    takes = {each.name: each.take for each in clips}
+    return measure_all(wanted, takes, options.kind, options.address, options.cpus, done)
+
+
+def _write(
+    out: Path,
+    folder: Path,
+    clips: Sequence[ComparedClip],
+    results: Sequence[TrialResult],
+    skipped: Sequence[Skipped],
+    options: CompareOptions,
+    messages: Messages,
+    progress: ProgressCallback | None,
+) -> CompareResult:
+    """Fill the folder, which becomes `out`."""
+    by_name = {each.name: each for each in clips}
+    rows = []
+    for result in results:
+        row = result.row
+        if not result.trial.unseen and row.error is None:
+            row = replace(row, usd=write_rebuilt(folder, by_name[row.clip], result, TOOL, options.kind, messages))
+        rows.append(row)
+    described = tuple(
+        {
+            "clip": each.name,
+            "file": each.take.file,
+            "sha256": each.take.sha256,
+            "prim": each.take.prim,
+            "frames": each.take.n_frames,
+            "joints": each.take.skeleton.n_joints,
+            "stretches": len(each.take.stretches),
+        }
+        for each in clips
+    )
+    compared = CompareResult(
+        out,
+        options.settings(),
+        described,
+        tuple(asdict(each) for each in skipped),
+        tuple(messages.warnings),
+        tuple(rows),
+    )
+    write_results(folder, compared)
+    write_report(folder, compared.head, clips, results, rows, Progress(progress, None, "Drawing").advance)
+    return compared

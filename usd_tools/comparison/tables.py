@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from usd_tools.comparison.cells import Row
+from usd_tools.comparison.result import CompareResult
+from usd_tools.comparison.trials import Row
 from usd_tools.console.tables import show
-from usd_tools.console.text import counted
+from usd_tools.console.text import counted, say
 
 _COLUMNS = ("rate", "scheme", "mean cm", "max cm", "Q_hyb", "unseen Q")
 _ALL_COLUMNS = (
@@ -34,7 +35,17 @@ EXPLANATION = (
 FITTED = "fitted unseen Q: the same, with the metric that fits the first half best."
 
 
-def tell(clip: str, rows: Sequence[Row], kind: str, verbose: bool) -> None:
+def print_summary(result: CompareResult, kind: str, verbose: bool) -> None:
+    """Print a table for each clip, what its columns mean, and what was written."""
+    for clip in (each["clip"] for each in result.clips):
+        _print_clip(clip, [row for row in result.rows if row.clip == clip], kind, verbose)
+    say(EXPLANATION)
+    if verbose:
+        say(FITTED)
+    say(f"Wrote {result.path}; open {result.path / 'index.html'} in a browser.")
+
+
+def _print_clip(clip: str, rows: Sequence[Row], kind: str, verbose: bool) -> None:
     """Print the table of a clip.
 
     Parameters

@@ -5,17 +5,17 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from usd_tools.console.errors import ToolError
 
-MARK = "results.json"
-"""File of which the entry `tool` says what made the folder."""
+MANIFEST = "manifest.json"
+"""File that names what made the folder, and every file that it made there."""
 
 
-def check_folder(folder: Path, tool: str, contents: Collection[str], sources: Iterable[str | Path]) -> None:
+def check_folder(folder: Path, tool: str, sources: Iterable[str | Path]) -> None:
     """Check that a folder can be made or replaced, before any work is done.
 
     Parameters
@@ -23,9 +23,7 @@ def check_folder(folder: Path, tool: str, contents: Collection[str], sources: It
     folder : Path
         Value of `--out`.
     tool : str
-        What makes it.
-    contents : collection of str
-        Names of what it makes there; a folder with anything else is not replaced.
+        What makes it; a folder with any file that is not in its manifest is not replaced.
     sources : iterable of paths
         Files that are read, which must not be in it.
 
@@ -41,35 +39,43 @@ def check_folder(folder: Path, tool: str, contents: Collection[str], sources: It
     if not parent.is_dir():
         raise ToolError(f"--out {folder}: there is no folder {parent}; make it first.")
     if not os.access(parent, os.W_OK | os.X_OK):
-        raise ToolError(f"--out {folder}: the folder {parent} cannot be written; choose another.")
+        raise ToolError(f"--out {folder}: the folder {parent} may not be written; choose another.")
     there = os.path.realpath(folder)
     for source in sources:
         if os.path.commonpath([there, os.path.realpath(source)]) == there:
             raise ToolError(f"--out {folder} holds the input {source} and would be replaced; choose another name.")
-    found = sorted(entry.name for entry in folder.iterdir()) if folder.exists() else []
-    foreign = [name for name in found if name not in contents]
-    if not foreign and found and not _is_made_by(folder, tool):
-        foreign = found
+    foreign = _foreign_files(folder, tool)
     if foreign:
         raise ToolError(f"--out {folder} holds {foreign[0]}, which {tool} did not write; choose another name.")
 
 
-def _is_made_by(folder: Path, tool: str) -> bool:
+def _foreign_files(folder: Path, tool: str) -> list[str]:
+    """Return the files in a folder, in any depth, that its manifest does not name."""
+    files = _files_in(folder)
     try:
-        document = json.loads((folder / MARK).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return False
-    return isinstance(document, dict) and document.get("tool") == tool
+        document = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+        ours = set(document["files"]) if document["tool"] == tool else set()
+    except (OSError, ValueError, LookupError, TypeError):
+        ours = set()
+    return [file for file in files if file not in ours]
+
+
+def _files_in(folder: Path) -> list[str]:
+    """Return the files and links in a folder, in any depth, as seen from it."""
+    found = (path for path in folder.rglob("*") if path.is_symlink() or not path.is_dir())
+    return sorted(path.relative_to(folder).as_posix() for path in found)
 
 
 @contextmanager
-def made_beside(folder: Path) -> Iterator[Path]:
+def made_beside(folder: Path, tool: str) -> Iterator[Path]:
     """Yield a new folder to fill, and rename it afterwards; on an error nothing is left behind.
 
     Parameters
     ----------
     folder : Path
         To be made or replaced.
+    tool : str
+        What makes it.
 
     Yields
     ------
@@ -88,19 +94,30 @@ def made_beside(folder: Path) -> Iterator[Path]:
         ) as name:
             beside = Path(name)
             yield beside
+            manifest = {"tool": tool, "files": sorted([MANIFEST, *_files_in(beside)])}
+            (beside / MANIFEST).write_text(json.dumps(manifest, indent=1) + "\n", encoding="utf-8")
             mask = os.umask(0)
             os.umask(mask)
             beside.chmod(0o777 & ~mask)  # a temporary folder is closed to others
             if folder.exists():
-                with tempfile.TemporaryDirectory(prefix=f".{folder.name}.", dir=folder.parent) as old:
-                    aside = Path(old, folder.name)
-                    os.replace(folder, aside)
-                    try:
-                        os.replace(beside, folder)
-                    except OSError:
-                        os.replace(aside, folder)
-                        raise
+                _swap(beside, folder, tool)
             else:
                 os.replace(beside, folder)
     except OSError as error:
         raise ToolError(f"{folder} cannot be written: {error.strerror}.") from error
+
+
+def _swap(beside: Path, folder: Path, tool: str) -> None:
+    """Put a new folder in the place of an older one, whose files the manifest names; others move to the new one."""
+    with tempfile.TemporaryDirectory(prefix=f".{folder.name}.", dir=folder.parent) as old:
+        aside = Path(old, folder.name)
+        os.replace(folder, aside)
+        try:
+            for file in _foreign_files(aside, tool):  # they came while the new folder was filled
+                kept = beside / file
+                kept.parent.mkdir(parents=True, exist_ok=True)
+                os.replace(aside / file, kept.with_name(f"{kept.name}.kept") if kept.exists() else kept)
+            os.replace(beside, folder)
+        except OSError:
+            os.replace(aside, folder)
+            raise

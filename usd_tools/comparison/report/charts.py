@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from usd_tools.comparison.cells import Row
 from usd_tools.comparison.report.scenes import Scene
+from usd_tools.comparison.trials import Row
 from usd_tools.figures.style import FAINT, INK, look, percent
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from usd_tools.comparison.cells import Row
 from usd_tools.comparison.report import charts, skeletons
 from usd_tools.comparison.report.scenes import Scene
+from usd_tools.comparison.trials import Row
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,11 +8,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from usd_tools.comparison.cells import Row
 from usd_tools.comparison.report.charts import curves
 from usd_tools.comparison.report.figures import Picture, telling
 from usd_tools.comparison.report.player_data import player_data
 from usd_tools.comparison.report.scenes import Scene
+from usd_tools.comparison.trials import Row
 from usd_tools.figures.style import look, percent
 
 _HERE = Path(__file__).parent

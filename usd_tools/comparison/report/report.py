@@ -6,18 +6,18 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from usd_tools.comparison.cells import Outcome, Row
 from usd_tools.comparison.report.figures import draw_all
 from usd_tools.comparison.report.page import write_page
 from usd_tools.comparison.report.scenes import scenes
 from usd_tools.comparison.results import ComparedClip
+from usd_tools.comparison.trials import Row, TrialResult
 
 
 def write_report(
     folder: Path,
     head: Mapping[str, Any],
     clips: Sequence[ComparedClip],
-    outcomes: Sequence[Outcome],
+    results: Sequence[TrialResult],
     rows: Sequence[Row],
     advance: Callable[[float, str], None] = lambda amount, what: None,
 ) -> None:
@@ -30,12 +30,12 @@ def write_report(
     head : mapping
         What results.json says before its rows.
     clips : sequence of ComparedClip
-    outcomes : sequence of Outcome
+    results : sequence of TrialResult
     rows : sequence of Row
     advance : callable
         Told what is drawn.
     """
-    seen = scenes(clips, outcomes)
+    seen = scenes(clips, results)
     figures = folder / "figures"
     figures.mkdir()
     pictures = []

@@ -12,8 +12,9 @@ from pxr import Usd, UsdGeom
 from geomstats_anim import Animation, LearnedMetric, Skeleton
 from geomstats_anim.criteria import location_errors
 from geomstats_anim.kinematics import place, world_pose
-from usd_tools.comparison.cells import Contender, Outcome, Rebuilt, rebuild
+from usd_tools.comparison.options import SchemeChoice
 from usd_tools.comparison.results import ComparedClip
+from usd_tools.comparison.trials import Rebuilt, TrialResult, rebuild
 from usd_tools.skel.clip import SkelClip
 
 
@@ -79,14 +80,14 @@ class Scene:
     ----------
     compared : ComparedClip
     rate : float
-    contenders : tuple of Contender
+    choices : tuple of SchemeChoice
     metrics : mapping of str to LearnedMetric or None
-        By the words of the contenders that did not fail.
+        By the words of the choices that did not fail.
     """
 
     compared: ComparedClip
     rate: float
-    contenders: tuple[Contender, ...]
+    choices: tuple[SchemeChoice, ...]
     metrics: Mapping[str, LearnedMetric | None]
 
     @property
@@ -103,9 +104,9 @@ class Scene:
     def rebuilt(self) -> dict[str, Rebuilt]:
         """What each scheme makes of it, by their words."""
         return {
-            contender.word: rebuild(self.stretches, self.rate, contender.scheme, self.metrics[contender.word])
-            for contender in self.contenders
-            if contender.word in self.metrics
+            choice.word: rebuild(self.stretches, self.rate, choice.scheme, self.metrics[choice.word])
+            for choice in self.choices
+            if choice.word in self.metrics
         }
 
     @cached_property
@@ -166,19 +167,19 @@ class Scene:
         return int(np.argmax(spread))
 
 
-def scenes(clips: Sequence[ComparedClip], outcomes: Sequence[Outcome]) -> list[Scene]:
+def scenes(clips: Sequence[ComparedClip], results: Sequence[TrialResult]) -> list[Scene]:
     """Every clip at every rate at which at least one scheme did not fail."""
-    found: dict[tuple[str, float], list[Outcome]] = {}
-    for outcome in outcomes:
-        if not outcome.cell.unseen and outcome.row.error is None:
-            found.setdefault((outcome.cell.clip, outcome.cell.rate), []).append(outcome)
+    found: dict[tuple[str, float], list[TrialResult]] = {}
+    for result in results:
+        if not result.trial.unseen and result.row.error is None:
+            found.setdefault((result.trial.clip, result.trial.rate), []).append(result)
     by_name = {each.name: each for each in clips}
     return [
         Scene(
             by_name[clip],
             rate,
-            tuple(outcome.cell.contender for outcome in done),
-            {outcome.cell.contender.word: outcome.metric for outcome in done},
+            tuple(result.trial.choice for result in done),
+            {result.trial.choice.word: result.metric for result in done},
         )
         for (clip, rate), done in found.items()
     ]

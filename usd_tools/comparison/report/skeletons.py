@@ -9,8 +9,8 @@ import numpy as np
 
 from geomstats_anim import LearnedMetric
 from geomstats_anim.parameters import MAX_TENSION
-from usd_tools.comparison.cells import turning
 from usd_tools.comparison.report.scenes import Scene, flattened
+from usd_tools.comparison.trials import turning
 from usd_tools.figures.style import FAINT, INK, TRUTH, look, percent
 
 if TYPE_CHECKING:

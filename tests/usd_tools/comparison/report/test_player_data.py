@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from rigs import make_rig, random_rotations
 
-from usd_tools.comparison.cells import Contender, cells, measure
+from usd_tools.comparison.options import SchemeChoice
 from usd_tools.comparison.report import player_data as player
 from usd_tools.comparison.report.scenes import Bones, flattened, scenes, upright
 from usd_tools.comparison.results import named
+from usd_tools.comparison.trials import all_trials, measure
 from usd_tools.learning.clips import training_clip
 from usd_tools.skel.clip import read_clip
 from usd_tools.skel.find import find_animations
@@ -36,8 +37,8 @@ def compared(tmp_path):
 @pytest.fixture
 def scene(compared):
     each = compared()
-    wanted = cells(["in"], [0.3], [Contender.parse("linear"), Contender.parse("slerp")])
-    return scenes([each], [measure(cell, each.take, "hyb") for cell in wanted if not cell.unseen])[0]
+    wanted = all_trials(["in"], [0.3], [SchemeChoice.parse("linear"), SchemeChoice.parse("slerp")])
+    return scenes([each], [measure(trial, each.take, "hyb") for trial in wanted if not trial.unseen])[0]
 
 
 def test_packing_is_reversible():

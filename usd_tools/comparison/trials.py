@@ -1,8 +1,7 @@
-"""The cells of a comparison: a clip, rebuilt by a scheme from a share of its samples, and scored."""
+"""The trials of a comparison: a clip, rebuilt by a scheme from a share of its samples, and scored."""
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,67 +14,14 @@ from geomstats_anim import SCHEMES, Animation, LearnedMetric, quality, uniform_k
 from geomstats_anim import rotations as quat
 from geomstats_anim.criteria import location_errors, rotation_errors
 from geomstats_anim.learning.learn import STILL, learn_metric
-from geomstats_anim.names import FAMILIES, PURPOSES, WITH_METRIC
-from usd_tools.console.text import did_you_mean, listed
+from geomstats_anim.names import FAMILIES, PURPOSES
+from usd_tools.comparison.options import SchemeChoice
 from usd_tools.learning.clips import TrainingClip
 from usd_tools.skel.sizes import bytes_numpy, bytes_usdc
 
-RATES = (0.5, 0.3, 0.2, 0.1, 0.05)
-"""Shares of samples kept, where nothing else is asked for."""
-
 
 @dataclass(frozen=True)
-class Contender:
-    """A scheme, and for one that learns, the family of its metric.
-
-    Parameters
-    ----------
-    word : str
-        How it is named on the command line, and in the results.
-    scheme : str
-        A name in `SCHEMES`.
-    family : str or None
-        None for a scheme that learns nothing.
-    """
-
-    word: str
-    scheme: str
-    family: str | None
-
-    @classmethod
-    def parse(cls, text: str) -> Contender:
-        """Parse a word of the command line, such as `slerp` or `geodesic:spd`.
-
-        Raises
-        ------
-        argparse.ArgumentTypeError
-            If there is no such scheme or family, or the scheme learns nothing.
-        """
-        scheme, colon, family = text.partition(":")
-        if scheme not in SCHEMES:
-            raise argparse.ArgumentTypeError(
-                f"must be {listed(list(SCHEMES))}, not {scheme!r}{did_you_mean(scheme, SCHEMES)}"
-            )
-        if scheme not in WITH_METRIC:
-            if colon:
-                raise argparse.ArgumentTypeError(f"{scheme} has no metric, so it has no family; write {scheme} alone")
-            return cls(scheme, scheme, None)
-        family = family if colon else FAMILIES[0]
-        if family not in FAMILIES:
-            raise argparse.ArgumentTypeError(
-                f"the family of {scheme} must be {listed(FAMILIES)}, as in {scheme}:{FAMILIES[-1]}, not {family!r}"
-                f"{did_you_mean(family, FAMILIES)}"
-            )
-        return cls(scheme if family == FAMILIES[0] else f"{scheme}:{family}", scheme, family)
-
-    @property
-    def purposes(self) -> tuple[str | None, ...]:
-        """What it may be learned for; None alone for a scheme that learns nothing."""
-        return (None,) if self.family is None else tuple(reversed(PURPOSES))
-
-
-@dataclass(frozen=True)
-class Cell:
+class Trial:
     """One rebuilding of a clip.
 
     Parameters
@@ -83,7 +29,7 @@ class Cell:
     clip : str
     rate : float
         Share of samples kept as uniform keys.
-    contender : Contender
+    choice : SchemeChoice
     purpose : str or None
         What its metric is learned for.
     unseen : bool
@@ -92,19 +38,19 @@ class Cell:
 
     clip: str
     rate: float
-    contender: Contender
+    choice: SchemeChoice
     purpose: str | None
     unseen: bool
 
     def __str__(self) -> str:
         """Name it."""
         unseen = f", second half, {self.purpose or 'nothing learned'}" if self.unseen else ""
-        return f"{self.clip} at rate {self.rate:g}, {self.contender.word}{unseen}"
+        return f"{self.clip} at rate {self.rate:g}, {self.choice.word}{unseen}"
 
 
 @dataclass(frozen=True)
 class Row:
-    """What a cell came to; None where it failed, or where there is nothing to tell.
+    """What a trial came to; None where it failed, or where there is nothing to tell.
 
     Parameters
     ----------
@@ -134,7 +80,7 @@ class Row:
     usd : str
         File of the rebuilt clip, as seen from the folder.
     error : str
-        Why the cell failed.
+        Why the trial failed.
     """
 
     clip: str
@@ -162,23 +108,23 @@ class Row:
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
-    """A cell, what it came to, and what was learned for it."""
+class TrialResult:
+    """A trial, what it came to, and what was learned for it."""
 
-    cell: Cell
+    trial: Trial
     row: Row
     metric: LearnedMetric | None = None
 
 
-def cells(clips: Sequence[str], rates: Sequence[float], contenders: Sequence[Contender]) -> list[Cell]:
-    """Every cell of a comparison, those out of sample beside those in sample."""
+def all_trials(clips: Sequence[str], rates: Sequence[float], choices: Sequence[SchemeChoice]) -> list[Trial]:
+    """Every trial of a comparison, those out of sample beside those in sample."""
     return [
-        Cell(clip, rate, contender, purpose, unseen)
+        Trial(clip, rate, choice, purpose, unseen)
         for clip in clips
         for rate in rates
-        for contender in contenders
+        for choice in choices
         for unseen in (False, True)
-        for purpose in (contender.purposes if unseen else contender.purposes[-1:])
+        for purpose in (choice.purposes if unseen else choice.purposes[-1:])
     ]
 
 
@@ -221,57 +167,57 @@ def rebuild(stretches: Sequence[Animation], rate: float, scheme: str, metric: Le
     return Rebuilt(kept, dense, sum(len(curve.fallbacks) for curve in curves))
 
 
-def measure(cell: Cell, take: TrainingClip, kind: str) -> Outcome:
-    """Do what a cell says; what goes wrong is told in its row.
+def measure(trial: Trial, take: TrainingClip, kind: str) -> TrialResult:
+    """Do what a trial says; what goes wrong is told in its row.
 
     Parameters
     ----------
-    cell : Cell
+    trial : Trial
     take : TrainingClip
     kind : str
         Quality that learning minimises.
 
     Returns
     -------
-    outcome : Outcome
+    result : TrialResult
     """
     try:
-        return _measured(cell, take, kind)
-    except Exception as error:  # whatever it is, a comparison of hours must not be lost for one cell
-        return failed(cell, error)
+        return _measured(trial, take, kind)
+    except Exception as error:  # whatever it is, a comparison of hours must not be lost for one trial
+        return failed(trial, error)
 
 
-def failed(cell: Cell, error: Exception) -> Outcome:
-    """Tell in its row why a cell failed."""
+def failed(trial: Trial, error: Exception) -> TrialResult:
+    """Tell in its row why a trial failed."""
     kind = "" if isinstance(error, ValueError) else f"{type(error).__name__}: "
-    return Outcome(cell, replace(_row(cell), error=kind + " ".join(str(error).split())))
+    return TrialResult(trial, replace(_row(trial), error=kind + " ".join(str(error).split())))
 
 
-def _row(cell: Cell) -> Row:
+def _row(trial: Trial) -> Row:
     return Row(
-        cell.clip,
-        cell.rate,
-        cell.contender.word,
-        out_of_sample=cell.unseen,
-        family=cell.contender.family,
-        purpose=cell.purpose,
+        trial.clip,
+        trial.rate,
+        trial.choice.word,
+        out_of_sample=trial.unseen,
+        family=trial.choice.family,
+        purpose=trial.purpose,
     )
 
 
-def _measured(cell: Cell, take: TrainingClip, kind: str) -> Outcome:
+def _measured(trial: Trial, take: TrainingClip, kind: str) -> TrialResult:
     scored = take.stretches
-    if cell.unseen:
+    if trial.unseen:
         scored = tuple(stretch.at_frames(slice(stretch.n_frames // 2, None)) for stretch in scored)
     metric, seconds_learn = None, 0.0
-    if cell.purpose is not None:
-        metric, seconds_learn = _learned(take, cell.rate, cell.contender, cell.unseen, kind, cell.purpose)
-    rebuild(scored, cell.rate, cell.contender.scheme, metric)  # loads what is compiled, so that it is not timed
+    if trial.purpose is not None:
+        metric, seconds_learn = _learned(take, trial.rate, trial.choice, trial.unseen, kind, trial.purpose)
+    rebuild(scored, trial.rate, trial.choice.scheme, metric)  # loads what is compiled, so that it is not timed
     begin = time.perf_counter()
-    rebuilt = rebuild(scored, cell.rate, cell.contender.scheme, metric)
+    rebuilt = rebuild(scored, trial.rate, trial.choice.scheme, metric)
     end = time.perf_counter()
     keys = [stretch.at_frames(kept) for stretch, kept in zip(scored, rebuilt.keys, strict=True)]
     row = replace(
-        _row(cell),
+        _row(trial),
         keys=sum(map(len, rebuilt.keys)),
         **_scores(rebuilt.stretches, scored),
         bytes_numpy=bytes_numpy(keys, metric),
@@ -282,12 +228,12 @@ def _measured(cell: Cell, take: TrainingClip, kind: str) -> Outcome:
         joints=scored[0].n_joints,
         slerped_segments=rebuilt.slerped,
     )
-    return Outcome(cell, row, metric)
+    return TrialResult(trial, row, metric)
 
 
 @lru_cache(maxsize=4)
 def _learned(
-    take: TrainingClip, rate: float, contender: Contender, first_half: bool, kind: str, purpose: str
+    take: TrainingClip, rate: float, choice: SchemeChoice, first_half: bool, kind: str, purpose: str
 ) -> tuple[LearnedMetric, float]:
     """Learn a metric, and tell how many seconds it took; the fit that "predict" shrinks is that of "reconstruct"."""
     stretches = take.stretches
@@ -297,16 +243,16 @@ def _learned(
     if purpose != PURPOSES[0] and sum(len(kept) - 1 for kept in keys) < 2:
         # a segment alone cannot tell how to predict
         joints = stretches[0].skeleton.joints
-        return LearnedMetric.plain(joints, contender.scheme), 0.0
+        return LearnedMetric.plain(joints, choice.scheme), 0.0
     fitted, seconds = None, 0.0
     if purpose != PURPOSES[0]:
-        fitted, seconds = _learned(take, rate, contender, first_half, kind, PURPOSES[0])
+        fitted, seconds = _learned(take, rate, choice, first_half, kind, PURPOSES[0])
     start = time.perf_counter()
     metric = learn_metric(
         stretches,
         keys,
-        scheme=contender.scheme,
-        family=contender.family or FAMILIES[0],
+        scheme=choice.scheme,
+        family=choice.family or FAMILIES[0],
         purpose=purpose,
         kind=kind,
         fitted=fitted,

@@ -1,0 +1,110 @@
+"""What `compare` can be asked for."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from geomstats_anim.names import FAMILIES, KINDS, PURPOSES, SCHEME_NAMES, WITH_METRIC
+from usd_tools.console.arguments import share, whole_number
+from usd_tools.console.options import PrimOptions, one_of, option
+from usd_tools.console.parser import listed
+from usd_tools.console.text import did_you_mean
+
+RATES = (0.5, 0.3, 0.2, 0.1, 0.05)
+"""Shares of samples kept, where nothing else is asked for."""
+
+
+@dataclass(frozen=True)
+class SchemeChoice:
+    """A scheme, and for one that learns, the family of its metric.
+
+    Parameters
+    ----------
+    word : str
+        How it is named on the command line, and in the results.
+    scheme : str
+        A name in `SCHEMES`.
+    family : str or None
+        None for a scheme that learns nothing.
+    """
+
+    word: str
+    scheme: str
+    family: str | None
+
+    @classmethod
+    def parse(cls, text: str) -> SchemeChoice:
+        """Parse a word of the command line, such as `slerp` or `geodesic:spd`.
+
+        Raises
+        ------
+        argparse.ArgumentTypeError
+            If there is no such scheme or family, or the scheme learns nothing.
+        """
+        scheme, colon, family = text.partition(":")
+        if scheme not in SCHEME_NAMES:
+            raise argparse.ArgumentTypeError(
+                f"must be {listed(SCHEME_NAMES)}, not {scheme!r}{did_you_mean(scheme, SCHEME_NAMES)}"
+            )
+        if scheme not in WITH_METRIC:
+            if colon:
+                raise argparse.ArgumentTypeError(f"{scheme} has no metric, so it has no family; write {scheme} alone")
+            return cls(scheme, scheme, None)
+        family = family if colon else FAMILIES[0]
+        if family not in FAMILIES:
+            raise argparse.ArgumentTypeError(
+                f"the family of {scheme} must be {listed(FAMILIES)}, as in {scheme}:{FAMILIES[-1]}, not {family!r}"
+                f"{did_you_mean(family, FAMILIES)}"
+            )
+        return cls(scheme if family == FAMILIES[0] else f"{scheme}:{family}", scheme, family)
+
+    @property
+    def purposes(self) -> tuple[str | None, ...]:
+        """What it may be learned for; None alone for a scheme that learns nothing."""
+        return (None,) if self.family is None else tuple(reversed(PURPOSES))
+
+
+def _rates(values: Iterable[float]) -> tuple[float, ...]:
+    return tuple(dict.fromkeys(map(share, values)))  # type: ignore[arg-type]
+
+
+def _schemes(values: Iterable[str | SchemeChoice]) -> tuple[SchemeChoice, ...]:
+    chosen = (value if isinstance(value, SchemeChoice) else SchemeChoice.parse(value) for value in values)
+    return tuple(dict.fromkeys(chosen))
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompareOptions(PrimOptions):
+    """Options of `compare`, in the words of its command line.
+
+    Parameters
+    ----------
+    rates : tuple of float
+        Shares of the samples kept as uniform keys.
+        Optional, default: .5, .3, .2, .1 and .05.
+    schemes : tuple of str or SchemeChoice
+        Interpolation schemes; one that learns may carry its family, as in "geodesic:spd".
+        Optional, default: all.
+    kind : str
+        Quality that learning minimises: "loc", "rot" or "hyb".
+        Optional, default: "hyb".
+    address : str
+        HOST:PORT of a Ray cluster.
+    cpus : int
+        Workers; more than one starts Ray.
+        Optional, default: 1.
+    """
+
+    rates: tuple[float, ...] = option(RATES, _rates)
+    schemes: tuple[SchemeChoice, ...] = option(SCHEME_NAMES, _schemes)
+    kind: str = option("hyb", one_of(KINDS))
+    address: str | None = option(None, str, recorded=False)
+    cpus: int | None = option(None, whole_number, recorded=False)
+
+    def settings(self) -> dict[str, Any]:
+        """Return what was asked for, lists as they are."""
+        schemes = list(dict.fromkeys(choice.word for choice in self.schemes))
+        return {"rates": list(self.rates), "schemes": schemes, "kind": self.kind, "prim": list(self.prim)}

@@ -1,0 +1,57 @@
+"""What `compare` found."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from geomstats_anim._version import __version__
+
+if TYPE_CHECKING:
+    from usd_tools.comparison.trials import Row
+
+TOOL = "usd_tools.compare"
+
+
+@dataclass(frozen=True)
+class CompareResult:
+    """What `compare` found.
+
+    Parameters
+    ----------
+    path : Path
+        Folder that was written.
+    settings : dict
+        Options that were asked for, plain values.
+    clips : tuple of dict
+        clip, file, sha256, prim, frames, joints, stretches.
+    skipped : tuple of dict
+        file, reason.
+    warnings : tuple of str
+    rows : tuple of Row
+        Scores of each scheme, rate and clip, in and out of sample.
+    """
+
+    path: Path
+    settings: dict[str, Any]
+    clips: tuple[dict[str, Any], ...]
+    skipped: tuple[dict[str, str], ...]
+    warnings: tuple[str, ...]
+    rows: tuple[Row, ...]
+
+    @property
+    def head(self) -> dict[str, Any]:
+        """All but the rows, plain values."""
+        return {
+            "tool": TOOL,
+            "version": __version__,
+            "settings": self.settings,
+            "clips": list(self.clips),
+            "skipped": list(self.skipped),
+            "warnings": list(self.warnings),
+        }
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the content of results.json."""
+        return {**self.head, "rows": [asdict(row) for row in self.rows]}
