@@ -4,7 +4,7 @@ import contextlib
 import io
 from functools import cache
 
-from pxr import Sdf, Usd, UsdGeom, UsdSkel, UsdValidation
+from pxr import Sdf, Tf, Usd, UsdGeom, UsdSkel, UsdValidation
 from rigs import make_rig, random_rotations, set_samples
 
 OURS = ("geodesicMetric:", "userProperties:geodesicMetric")
@@ -56,13 +56,34 @@ def _validator():
 
 def errors_of(path):
     """Names of the errors of a file; places differ between a source and its override."""
-    stage = Usd.Stage.Open(str(path))
+    held = Sdf.Layer.Find(str(path))
+    if held and not held.dirty:
+        held.Reload()  # OpenUSD may still hold what the file was before
     with contextlib.redirect_stderr(io.StringIO()):
         return {
             (error.GetName(), str(error.GetValidator().GetMetadata().name))
-            for error in _validator().Validate(stage)
+            for error in _validator().Validate(Usd.Stage.Open(str(path)))
             if error.GetType() == UsdValidation.ValidationErrorType.Error
         }
+
+
+def new_errors(inputs, now=False):
+    """Make what tells the errors of a file that none of the inputs has; `now` if the inputs are going to change."""
+
+    @cache
+    def known():
+        with contextlib.suppress(Tf.ErrorException):  # the command will refuse what cannot be opened
+            return set().union(*map(errors_of, inputs))
+        return set()
+
+    if now:
+        known()
+
+    def new(path):
+        found = errors_of(path)
+        return found - known() if found else found
+
+    return new
 
 
 def make_shot(folder):

@@ -1,30 +1,62 @@
-"""Commands called in process."""
+"""Commands called in process; every USD file that one writes is validated."""
 
 import json
+from pathlib import Path
 
 import pytest
+from composed import new_errors
 
 from usd_tools import compare, downsample, from_bvh, inspect, learn, upsample
 
+USD = (".usd", ".usda", ".usdc", ".usdz")
+
 
 @pytest.fixture
-def run(capsys):
-    """Call a verb in process; give its exit code, stdout and stderr."""
+def run(request, capsys):
+    """Call a verb in process; give its exit code, stdout and stderr.
+
+    What it writes must have no error for OpenUSD's validators that its input has not. The marker `invalid_output` says
+    why a test's output may.
+    """
+    is_validated = request.node.get_closest_marker("invalid_output") is None
 
     modules = (upsample, downsample, inspect, learn, compare, from_bvh)
     verbs = {module.__name__.rpartition(".")[2]: module for module in modules}
 
     def call(verb, *arguments):
         main = verbs[verb].main
+        validate = _validation([str(argument) for argument in arguments]) if is_validated else None
         capsys.readouterr()
         try:
             code = main([str(argument) for argument in arguments])
         except SystemExit as stop:
             code = stop.code
         out, err = capsys.readouterr()
+        if code == 0 and validate is not None:
+            assert validate() == {}
         return code, out, err
 
     return call
+
+
+def _validation(arguments):
+    """Remember what is wrong with the inputs; give what tells, afterwards, the new errors of each output."""
+    options = [word for word in ("-o", "--out") if word in arguments]
+    out = Path(arguments[arguments.index(options[0]) + 1]) if options else None
+    inputs = [Path(word) for word in arguments if word.lower().endswith(USD) and Path(word).is_file()]
+    inputs = [path for path in inputs if path != out or "--in-place" in arguments]
+    if "--in-place" in arguments:
+        out = out or inputs[0]
+    if out is None or "--dry-run" in arguments:
+        return None
+    is_new = new_errors(inputs, now="--in-place" in arguments)
+
+    def validate():
+        written = [path for path in out.rglob("*") if path.suffix in USD] if out.is_dir() else [out]
+        found = {path.name: is_new(path) for path in written if path.suffix in USD}
+        return {name: errors for name, errors in found.items() if errors}
+
+    return validate
 
 
 @pytest.fixture

@@ -1,5 +1,7 @@
 """Every sample of a file is read once, whatever a command does with it."""
 
+import subprocess
+import sys
 from collections import Counter
 
 import numpy as np
@@ -30,3 +32,13 @@ def test_once(tmp_path, run, monkeypatch, verb, options):
     assert run(verb, tmp_path / "in.usda", *out, *options)[0] == 0
     names = {"rotations": 12, "translations": 12, "blendShapeWeights": 5}
     assert counts == {f"{ANIMATION}.{name}": count for name, count in names.items()}
+
+
+def test_reading_imports_nothing_slow(tmp_path):
+    make_rig(tmp_path / "in.usda")
+    program = (
+        "import sys; from usd_tools import inspect; inspect.main(sys.argv[1:]);"
+        "loaded = {'numba', 'scipy', 'geomstats', 'geomstats_anim.learning', 'usd_tools.learning'} & set(sys.modules);"
+        "assert not loaded, loaded"
+    )
+    subprocess.run([sys.executable, "-c", program, tmp_path / "in.usda"], check=True, stdout=subprocess.DEVNULL)
