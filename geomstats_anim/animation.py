@@ -227,14 +227,19 @@ class Animation:
 
         Parameters
         ----------
-        frames : array-like of int, shape=[K]
-            Increasing indices, as `uniform_keyframes` gives them; or a slice.
+        frames : array-like of int or bool, or slice
+            Increasing indices, as `uniform_keyframes` gives them; a mask, shape=[F]; or a slice.
 
         Returns
         -------
         animation : Animation
+
+        Raises
+        ------
+        ValueError
+            If the times at the indices do not increase, one is not whole, or the mask has another length.
         """
-        index = frames if isinstance(frames, slice) else np.asarray(frames, dtype=np.intp)
+        index = frames if isinstance(frames, slice) else _indices(np.asarray(frames), self.n_frames)
         scales = None if self.scales is None else self.scales[index]
         return replace(
             self,
@@ -243,3 +248,14 @@ class Animation:
             translations=self.translations[index],
             scales=scales,
         )
+
+
+def _indices(frames: np.ndarray, n_frames: int) -> np.ndarray:
+    """Turn a mask or indices of frames into indices."""
+    if frames.dtype == bool:
+        if frames.shape != (n_frames,):
+            raise ValueError(f"The mask of frames has shape {frames.shape}, but there are {n_frames} frames.")
+        return np.flatnonzero(frames)
+    if frames.size and not np.equal(frames, np.round(frames)).all():
+        raise ValueError(f"Frames must be whole numbers, but one is {frames[frames != np.round(frames)][0]}.")
+    return frames.astype(np.intp)

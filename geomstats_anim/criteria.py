@@ -15,6 +15,9 @@ from geomstats_anim.animation import Animation, Skeleton
 from geomstats_anim.kinematics import world_pose
 from geomstats_anim.rotations import Array
 
+_SAME_TIME = 1e-2
+"""Share of the spacing of frames within which two times are the same; of a second, where there is one frame."""
+
 
 def quality(
     animation: Animation,
@@ -61,10 +64,7 @@ def quality(
     """
     if animation.skeleton.joints != reference.skeleton.joints:
         raise ValueError("The two animations have different joints.")
-    if animation.n_frames != reference.n_frames or not np.allclose(animation.times, reference.times):
-        raise ValueError(
-            f"The two animations have different times: {animation.n_frames} and {reference.n_frames} frames."
-        )
+    _check_times(animation.times, reference.times)
     shares = kind_shares(kind, location_weight)
     total = np.zeros(reference.n_joints)
     if shares.location:
@@ -72,6 +72,19 @@ def quality(
     if shares.rotation:
         total += shares.rotation * rotation_errors(animation, reference).mean(axis=0)
     return float(total @ joint_weights(weights, reference.skeleton))
+
+
+def _check_times(times: Array, expected: Array) -> None:
+    """Raise if times, shape=[F], are further apart than a small part of the spacing of frames."""
+    if len(times) != len(expected):
+        raise ValueError(f"The two animations have different times: {len(times)} and {len(expected)} frames.")
+    spacing = np.diff(expected).min(initial=np.inf)
+    apart = np.abs(times - expected)
+    if (apart > _SAME_TIME * min(spacing, 1.0)).any():
+        worst = int(apart.argmax())
+        raise ValueError(
+            f"The two animations have different times: {times[worst]:g} s and {expected[worst]:g} s in frame {worst}."
+        )
 
 
 class Shares(NamedTuple):

@@ -58,7 +58,7 @@ class Curve(ABC):
     animation : Animation
     metric : MetricParameters or LearnedMetric
         A learned metric is matched to the joints by name.
-        Optional, default: None, the bi-invariant metric.
+        Optional, default: None, the bi-invariant metric. Schemes without a metric take none.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Curve(ABC):
     Raises
     ------
     ValueError
-        If there is no key.
+        If there is no key, or a metric is given to a scheme without one.
     """
 
     def __init__(self, animation: Animation, metric: Metric | None = None) -> None:

@@ -5,19 +5,31 @@ from __future__ import annotations
 import numpy as np
 
 from geomstats_anim import rotations as quat
+from geomstats_anim.animation import Animation
 from geomstats_anim.interpolation.curves import Curve, Metric, times_at
 from geomstats_anim.interpolation.exponential import Rates, bent_rates, logarithm_rates
+from geomstats_anim.learned_metric import LearnedMetric
+from geomstats_anim.names import WITH_METRIC
 from geomstats_anim.rotations import Array
 
 
-class _Plain(Curve):
-    """A scheme with nothing to prepare."""
+class _WithoutMetric(Curve):
+    """A scheme that has no metric."""
+
+    def __init__(self, animation: Animation, metric: Metric | None = None) -> None:
+        # a learned metric may say no more than which scheme to use
+        if metric is not None and not (isinstance(metric, LearnedMetric) and metric.scheme not in WITH_METRIC):
+            name = type(self).__name__
+            raise ValueError(
+                f"{name} has no metric; leave it out, or use one of the schemes {' and '.join(WITH_METRIC)}."
+            )
+        super().__init__(animation, metric)
 
     def _prepare(self, metric: Metric | None) -> None:
         pass
 
 
-class Constant(_Plain):
+class Constant(_WithoutMetric):
     """Hold every key until the next one."""
 
     def _linear(self, values: Array, segment: np.ndarray, fraction: Array) -> Array:
@@ -32,7 +44,7 @@ class Constant(_Plain):
         return Rates(still, still)
 
 
-class Linear(_Plain):
+class Linear(_WithoutMetric):
     """Move quaternion components on straight lines, then normalise them, as many curve editors do."""
 
     def _rotations(self, segment: np.ndarray, fraction: Array) -> Array:
@@ -48,7 +60,7 @@ class Linear(_Plain):
         return Rates(velocity, -2.0 * velocity * (line * slope).sum(axis=-1, keepdims=True) / square)
 
 
-class Slerp(_Plain):
+class Slerp(_WithoutMetric):
     """Turn at constant angular velocity along the shorter way: what USD shows between samples."""
 
     def _rotations(self, segment: np.ndarray, fraction: Array) -> Array:
@@ -61,7 +73,7 @@ class Slerp(_Plain):
         return Rates(velocity, np.zeros_like(velocity))
 
 
-class _OnCubicPaths(Curve):
+class _OnCubicPaths(_WithoutMetric):
     """A scheme whose translations go along SciPy's cubic spline."""
 
     def _prepare(self, metric: Metric | None) -> None:

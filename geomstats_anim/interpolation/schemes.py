@@ -55,7 +55,7 @@ def interpolate(
     Raises
     ------
     ValueError
-        If there is no such scheme, or the metric has other joints.
+        If there is no such scheme, the metric has other joints, or the scheme has no metric.
 
     Warns
     -----

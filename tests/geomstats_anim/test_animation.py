@@ -144,3 +144,16 @@ def test_at_frames(frames, scales):
 def test_no_joints_and_no_frames():
     empty = Animation(samples.skeleton(0), [], np.empty((0, 0, 4)), np.empty((0, 0, 3)))
     assert (empty.n_frames, empty.n_joints) == (0, 0)
+
+
+def test_frames_may_be_a_mask():
+    animation = samples.animation(np.random.default_rng(0), 6, 2, 20.0)
+    mask = np.array([True, False, False, True, True, False])
+    for frames in (mask, mask.tolist()):
+        np.testing.assert_array_equal(animation.at_frames(frames).times, animation.times[[0, 3, 4]])
+    with pytest.raises(ValueError, match=r"^The mask of frames has shape \(5,\), but there are 6 frames[.]$"):
+        animation.at_frames(mask[:5])
+    with pytest.raises(ValueError, match="^Frames must be whole numbers, but one is 0.5[.]$"):
+        animation.at_frames([0.0, 0.5])
+    assert animation.at_frames([0.0, 2.0]).n_frames == 2
+    assert animation.at_frames([]).n_frames == 0

@@ -163,5 +163,18 @@ def test_animations_that_cannot_be_compared():
     sentence = "^The two animations have different times: 5 and {} frames[.]$"
     with pytest.raises(ValueError, match=sentence.format(4)):
         quality(animation, reference.at_frames(slice(0, 4)))
-    with pytest.raises(ValueError, match=sentence.format(5)):
+    with pytest.raises(ValueError, match="^The two animations have different times: .* s and .* s in frame 0[.]$"):
         quality(animation, dataclasses.replace(reference, times=reference.times + 0.5))
+
+
+@pytest.mark.parametrize("start", [0.0, 3600.0])
+def test_times_are_compared_by_the_spacing_of_frames(start):
+    one = samples.animation(np.random.default_rng(0), 6, 2, 20.0)
+    one = dataclasses.replace(one, times=start + np.arange(6) / 120.0)
+    assert quality(dataclasses.replace(one, times=one.times + 0.009 / 120.0), one) < 1e-15
+    for shift in (0.011 / 120.0, -1.0 / 120.0):
+        with pytest.raises(ValueError, match="^The two animations have different times: .* s and .* s in frame "):
+            quality(dataclasses.replace(one, times=one.times + shift), one)
+    single = one.at_frames([0])
+    with pytest.raises(ValueError, match="different times"):
+        quality(dataclasses.replace(single, times=single.times + 0.1), single)

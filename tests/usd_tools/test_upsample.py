@@ -380,7 +380,7 @@ class Unlucky(Slerp):
     """A scheme that finds no geodesic for the last joint."""
 
     def __init__(self, animation, metric=None):
-        super().__init__(animation, metric)
+        super().__init__(animation)
         joint, times = animation.skeleton.joints[-1], animation.times
         self.fallbacks = tuple(Fallback(joint, *times[k : k + 2].tolist(), LogStatus.STALLED) for k in (0, 2))
 

@@ -123,10 +123,10 @@ def restored(sparse: SkelClip, metric: LearnedMetric, codes: np.ndarray, scheme:
     codes : array-like, shape=[F]
         Where the source has samples.
     scheme : str
-        Another scheme than the metric's; "slerp" is what viewers show.
+        A scheme without a metric instead of the metric's; "slerp" is what viewers show.
         Optional, default: the metric's.
     """
-    dense = resample(sparse, with_codes(sparse, codes), scheme or metric.scheme, metric)
+    dense = resample(sparse, with_codes(sparse, codes), scheme or metric.scheme, metric if scheme is None else None)
     return replace(sparse, channels={**sparse.channels, **dense.channels})
 
 

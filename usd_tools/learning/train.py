@@ -202,7 +202,7 @@ def _by_joint(
     for stretch in stretches:
         keys = stretch.at_frames(keyframes_of(stretch, options))
         for scheme in errors:
-            curve = SCHEMES[scheme](keys, metric)
+            curve = SCHEMES[scheme](keys, metric if scheme == metric.scheme else None)
             slerped += len(curve.fallbacks)
             errors[scheme].append(rotation_errors(curve(stretch.times), stretch))
     learned, slerp = (np.degrees(np.concatenate(found).mean(axis=0)).round(4) for found in errors.values())

@@ -35,6 +35,11 @@ def metric_for(animation, full=True, invariance=None):
     return samples.parameters(np.random.default_rng(99), animation.n_joints, 8.0, full, invariance)
 
 
+def metric_of(scheme, animation):
+    """A metric, where the scheme has one."""
+    return metric_for(animation) if scheme in names.WITH_METRIC else None
+
+
 def dense(animation, n=101):
     """Times that include the first and the last key, and others that do not meet keys."""
     return np.linspace(animation.times[0], animation.times[-1], n)
@@ -54,7 +59,7 @@ def test_the_schemes_are_named():
 @pytest.mark.parametrize("scales", [False, True])
 def test_keys_are_exact(scheme, scales):
     keys = clip(scales=scales)
-    result = interpolate(keys, keys.times, scheme, metric_for(keys))
+    result = interpolate(keys, keys.times, scheme, metric_of(scheme, keys))
     np.testing.assert_array_equal(result.times, keys.times)
     np.testing.assert_array_equal(result.translations, keys.translations)
     assert (result.scales is None) == (not scales)
@@ -69,8 +74,8 @@ def test_keys_are_exact(scheme, scales):
 def test_uneven_times_between_keys(scheme):
     keys = clip()
     times = np.sort(np.random.default_rng(1).uniform(keys.times[0], keys.times[-1], 200))
-    result = interpolate(keys, times, scheme, metric_for(keys))
-    one_by_one = [interpolate(keys, [t], scheme, metric_for(keys)) for t in times[::20]]
+    result = interpolate(keys, times, scheme, metric_of(scheme, keys))
+    one_by_one = [interpolate(keys, [t], scheme, metric_of(scheme, keys)) for t in times[::20]]
     for k, single in zip(range(0, 200, 20), one_by_one, strict=True):
         assert quat.distance(single.rotations[0], result.rotations[k]).max() < 1e-14
         np.testing.assert_array_equal(single.translations[0], result.translations[k])
@@ -80,7 +85,7 @@ def test_uneven_times_between_keys(scheme):
 def test_outside_the_range_the_end_keys_are_held(scheme):
     keys = clip()
     first, last = keys.times[[0, -1]]
-    result = interpolate(keys, [first - 5.0, first - 1e-9, last + 1e-9, last + 5.0], scheme, metric_for(keys))
+    result = interpolate(keys, [first - 5.0, first - 1e-9, last + 1e-9, last + 5.0], scheme, metric_of(scheme, keys))
     for k, key in enumerate([0, 0, -1, -1]):
         assert quat.distance(result.rotations[k], keys.rotations[key]).max() < 2e-12
         np.testing.assert_array_equal(result.translations[k], keys.translations[key])
@@ -90,7 +95,7 @@ def test_outside_the_range_the_end_keys_are_held(scheme):
 @pytest.mark.parametrize("scheme", MINE)
 def test_one_key_is_held(scheme):
     keys = clip(n_frames=1)
-    result = interpolate(keys, [-1.0, 0.0, 99.0], scheme, metric_for(keys))
+    result = interpolate(keys, [-1.0, 0.0, 99.0], scheme, metric_of(scheme, keys))
     for k in range(3):
         np.testing.assert_allclose(result.rotations[k], keys.rotations[0], atol=1e-15)
         np.testing.assert_array_equal(result.translations[k], keys.translations[0])
@@ -106,7 +111,7 @@ def test_no_key(scheme):
 @pytest.mark.parametrize("scheme", MINE)
 def test_no_times(scheme):
     keys = clip()
-    result = interpolate(keys, [], scheme, metric_for(keys))
+    result = interpolate(keys, [], scheme, metric_of(scheme, keys))
     assert result.rotations.shape == (0, 7, 4)
 
 
@@ -114,21 +119,21 @@ def test_no_times(scheme):
 @pytest.mark.parametrize("n_joints", [0, 1])
 def test_few_joints(scheme, n_joints):
     keys = clip(n_joints=n_joints)
-    assert interpolate(keys, dense(keys), scheme, metric_for(keys)).rotations.shape == (101, n_joints, 4)
+    assert interpolate(keys, dense(keys), scheme, metric_of(scheme, keys)).rotations.shape == (101, n_joints, 4)
 
 
 @pytest.mark.parametrize("scheme", MINE)
 def test_without_motion_nothing_moves(scheme):
     keys = clip()
     still = dataclasses.replace(keys, rotations=np.repeat(keys.rotations[:1], 12, axis=0))
-    result = interpolate(still, dense(still), scheme, metric_for(still))
+    result = interpolate(still, dense(still), scheme, metric_of(scheme, still))
     assert quat.distance(result.rotations, keys.rotations[:1]).max() < 1e-15
 
 
 @pytest.mark.parametrize("scheme", MINE)
 def test_quaternions_are_unit_and_continuous_whatever_the_signs_of_the_keys(scheme):
     keys = clip(step=100.0)
-    result = interpolate(keys, dense(keys, 1001), scheme, metric_for(keys))
+    result = interpolate(keys, dense(keys, 1001), scheme, metric_of(scheme, keys))
     np.testing.assert_allclose(np.linalg.norm(result.rotations, axis=-1), 1.0, atol=1e-15)
     assert (np.einsum("tbi,tbi->tb", result.rotations[1:], result.rotations[:-1]) >= 0.0).all()
 
@@ -137,7 +142,7 @@ def test_quaternions_are_unit_and_continuous_whatever_the_signs_of_the_keys(sche
 def test_translations_and_scales_are_linear(scheme):
     keys = clip()
     times = dense(keys)
-    result = interpolate(keys, times, scheme, metric_for(keys))
+    result = interpolate(keys, times, scheme, metric_of(scheme, keys))
     for name in ("translations", "scales"):
         source, values = getattr(keys, name), getattr(result, name)
         for b in range(keys.n_joints):
@@ -220,7 +225,7 @@ def test_a_geodesic_obeys_eulers_equations():
 def test_turning_the_whole_clip_turns_the_result(scheme, side):
     keys = clip()
     shift = samples.quaternions(np.random.default_rng(2), 7)
-    metric = metric_for(keys, invariance=side)
+    metric = metric_for(keys, invariance=side) if scheme in names.WITH_METRIC else None
     expected = moved(interpolate(keys, dense(keys), scheme, metric), shift, side)
     result = interpolate(moved(keys, shift, side), dense(keys), scheme, metric)
     assert quat.distance(result.rotations, expected.rotations).max() < 1e-10
@@ -231,8 +236,8 @@ def test_reversing_time_reverses_the_result(scheme):
     keys = clip()
     back = Animation(keys.skeleton, -keys.times[::-1], keys.rotations[::-1], keys.translations[::-1], keys.scales[::-1])
     times = dense(keys)
-    there = interpolate(keys, times, scheme, metric_for(keys))
-    again = interpolate(back, -times[::-1], scheme, metric_for(keys))
+    there = interpolate(keys, times, scheme, metric_of(scheme, keys))
+    again = interpolate(back, -times[::-1], scheme, metric_of(scheme, keys))
     assert quat.distance(again.rotations[::-1], there.rotations).max() < 1e-10
     np.testing.assert_allclose(again.translations[::-1], there.translations, atol=1e-13)
 
@@ -322,6 +327,19 @@ def test_the_scheme_is_that_of_the_metric_or_the_spline():
     assert quat.distance(*two).max() > 0.01
 
 
+@pytest.mark.parametrize("scheme", [name for name in SCHEMES if name not in names.WITH_METRIC])
+def test_a_metric_for_a_scheme_without_one_is_refused(scheme):
+    keys = clip()
+    learned = LearnedMetric(keys.skeleton.joints, metric_for(keys), scheme="geodesic")
+    for metric in (metric_for(keys), learned):
+        with pytest.raises(ValueError, match="has no metric; leave it out, or use one of the schemes geodesic and "):
+            interpolate(keys, dense(keys), scheme, metric)
+    only_named = LearnedMetric.plain(keys.skeleton.joints, scheme)
+    np.testing.assert_array_equal(
+        interpolate(keys, dense(keys), metric=only_named).rotations, interpolate(keys, dense(keys), scheme).rotations
+    )
+
+
 def test_an_unknown_scheme():
     with pytest.raises(ValueError, match="^There is no scheme 'bezier'; the schemes are constant, linear, slerp, "):
         interpolate(clip(), [0.0], "bezier")
@@ -345,5 +363,5 @@ def test_a_metric_of_other_joints():
 def test_times_that_make_no_animation(scheme, times, message):
     keys = clip()
     with pytest.raises(ValueError) as error:
-        interpolate(keys, times, scheme, metric_for(keys))
+        interpolate(keys, times, scheme, metric_of(scheme, keys))
     assert str(error.value) == message

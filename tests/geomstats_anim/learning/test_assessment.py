@@ -47,7 +47,8 @@ def test_a_score_is_the_quality_of_both(kind, weights):
     keys = uniform_keyframes(41, 0.2)
     result = score("what", False, truth, keys, learned(truth, parameters, kind), weights)
     for value, scheme in ((result.learned, "geodesic"), (result.slerp, "slerp")):
-        rebuilt = interpolate(truth.at_frames(keys), truth.times, scheme, parameters)
+        used = parameters if scheme == "geodesic" else None
+        rebuilt = interpolate(truth.at_frames(keys), truth.times, scheme, used)
         assert value == quality(rebuilt, truth, kind, weights)
     assert (result.what, result.in_sample) == ("what", False)
 
