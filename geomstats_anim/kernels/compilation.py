@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import logging
+import sys
 from collections.abc import Callable
 from functools import cache
 from importlib import resources
@@ -17,6 +18,23 @@ from numba.core.caching import FunctionCache, IndexDataCacheFile
 _logger = logging.getLogger("geomstats_anim")
 
 _can_cache = True
+
+
+def _import_without_blas() -> None:
+    """Import what Numba imports on the first call anyway, but not SciPy's BLAS: that takes as long as all of Numba."""
+    blas = "scipy.linalg.cython_blas"
+    if blas in sys.modules:
+        return
+    sys.modules[blas] = None  # type: ignore[assignment]
+    try:
+        from numba.np import arraymath
+    finally:
+        del sys.modules[blas]
+    # SciPy is there; Numba asks for BLAS again where a function needs it, and no kernel of this folder does.
+    arraymath._HAVE_BLAS = True
+
+
+_import_without_blas()
 
 
 def compiled(function: Callable[..., Any]) -> Any:

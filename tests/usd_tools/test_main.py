@@ -72,7 +72,42 @@ def test_the_door_is_light(arguments):
     assert heavy_after(f"from usd_tools.__main__ import main; main({arguments})") == set()
 
 
-@pytest.mark.parametrize("verb", ["upsample", "from_bvh", "learn", "downsample", "compare"])
+@pytest.mark.parametrize("verb", [verb for verb in VERBS if verb != "inspect"])
 def test_help_and_usage_errors_are_light(verb):
     for arguments in (["--help"], ["--nonsense"], []):
         assert heavy_after(f"from usd_tools.__main__ import main; main({[verb, *arguments]})") == set()
+
+
+def test_numba_still_finds_blas():
+    code = (
+        "import geomstats_anim.kernels.compilation, numba, numpy as np; f = numba.njit(lambda a: np.cov(a) + a @ a);"
+        "a = np.eye(3); assert np.allclose(f(a), np.cov(a) + a @ a)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def modules_after(verb, *arguments):
+    """Run a verb in a process of its own; give every module that it imported."""
+    words = [verb, *map(str, arguments)]
+    code = f"import sys\nfrom usd_tools.__main__ import main\nassert main({words}) == 0\nprint(' '.join(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return set(done.stdout.splitlines()[-1].split())
+
+
+def test_inspect_imports_what_it_needs(tmp_path):
+    make_rig(tmp_path / "in.usda", codes=range(6))
+    names = modules_after("inspect", tmp_path / "in.usda")
+    assert not {name.partition(".")[0] for name in names} & {"numba", "scipy", "geomstats", "matplotlib"}
+    assert not [name for name in names if name.startswith("geomstats_anim.learning")]
+
+
+def test_upsample_imports_what_it_needs(tmp_path):
+    make_rig(tmp_path / "in.usda", codes=range(6))
+    names = modules_after("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2)
+    assert not {name.partition(".")[0] for name in names} & {"geomstats", "matplotlib", "rich", "ray"}
+    assert not {name for name in names if name.startswith("scipy.") and name.count(".") == 1 and name[6] != "_"} - {
+        "scipy.version"
+    }
+    assert not [name for name in names if name.startswith("geomstats_anim.learning")]
