@@ -173,6 +173,15 @@ def _add_times(parse: argparse.ArgumentParser) -> None:
         help="add samples at these time codes: numbers with commas between them, a text file of numbers, or the word "
         "source: where usd_tools.downsample removed them; where the first number is below zero, say '--times=-7.5,-3'",
     )
+    cuts = parse.add_mutually_exclusive_group()
+    cuts.add_argument(
+        "--cut",
+        metavar="T",
+        type=time_codes,
+        help="hold the pose across the gaps between samples in which these time codes are, or which end there; "
+        "default: the gaps across which it jumps far more than before and after",
+    )
+    cuts.add_argument("--no-cuts", action="store_true", help="lead the motion through every jump")
     parse.add_argument(
         "--retime",
         action="store_true",

@@ -130,9 +130,8 @@ def _write(layer: AnimationLayer, clips: Sequence[DownsampledClip], messages: Me
         sampled = {name: channel for name, channel in each.sparse.channels.items() if len(channel.codes)}
         constant = {name: each.sparse.channels[name].default for name in each.sparse.channels if name not in sampled}
         source = each.clip.source
-        layer.write_animation(
-            source, sampled, {**each.clip.missing, **constant}, each.metric, messages, each.clip.codes
-        )
+        defaults = {**each.clip.missing, **constant}
+        layer.write_animation(source, sampled, defaults, each.metric, messages, each.clip.codes, each.clip.cuts)
 
 
 def _described(

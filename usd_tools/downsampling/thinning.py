@@ -14,7 +14,7 @@ from geomstats_anim.kinematics import world_pose
 from geomstats_anim.rotations import Array
 from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip
-from usd_tools.skel.resampling import animation_of, resample, with_codes
+from usd_tools.skel.resampling import animation_of, resample, with_codes, without_cuts
 
 THINNED = ("rotations", "translations")
 """Channels whose samples are chosen; scales and weights of blend shapes that change are kept whole, for nothing judges
@@ -28,9 +28,9 @@ def sampled_alike(clip: SkelClip) -> SkelClip:
     codes = [channel.codes for channel in moving.values()]
     if len(codes) < 2 or np.array_equal(codes[0], codes[1]):
         return clip
-    shown = resample(replace(clip, channels=moving), np.union1d(codes[0], codes[1]), "slerp").channels
+    shown = resample(without_cuts(replace(clip, channels=moving)), np.union1d(codes[0], codes[1]), "slerp").channels
     note = f"{clip.path}: rotations and translations have samples at different times; both get samples at all of them."
-    return replace(clip, channels={**clip.channels, **shown}, notes=(*clip.notes, note))
+    return replace(clip, channels={**clip.channels, **shown}, notes=(*clip.notes, note), given_cuts=clip.cuts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class SampleSelection:
     names : tuple of str
         Channels that are thinned together; none if neither rotations nor translations change.
     spans : tuple of slice
-        Their stretches between value blocks and steps.
+        Their stretches between value blocks, steps and cuts.
     """
 
     clip: SkelClip
@@ -62,7 +62,7 @@ class SampleSelection:
             return cls(clip, (), ())
         first = clip.channels[moving[0]]
         names = tuple(name for name in moving if _same_samples(clip.channels[name], first))
-        return cls(clip, names, tuple(first.stretches(clip.codes_per_second)))
+        return cls(clip, names, tuple(clip.spans(moving[0])))
 
     @property
     def animations(self) -> list[Animation]:
@@ -110,7 +110,7 @@ class SampleSelection:
             kept = np.zeros(len(channel.codes), dtype=bool)
             kept[[0, -1]] = True
             channels[name] = _samples(channel, kept)
-        return replace(self.clip, channels=channels)
+        return replace(self.clip, channels=channels, given_cuts=self.clip.cuts)
 
 
 def restored(sparse: SkelClip, metric: LearnedMetric, codes: np.ndarray, scheme: str | None = None) -> SkelClip:

@@ -1,4 +1,4 @@
-"""Take from an animation what can be learned from: stretches of motion between value blocks and steps."""
+"""Take from an animation what can be learned from: stretches of motion between value blocks, steps and cuts."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def training_clip(path: Path, clip: SkelClip, alone: bool = True) -> TrainingCli
     stretches = _stretches(clip)
     longest = max((stretch.n_frames for stretch in stretches), default=1)
     if longest < MIN_SAMPLES:
-        between = " between value blocks and steps" if len(stretches) > 1 else ""
+        between = " between value blocks, steps and cuts" if len(stretches) > 1 else ""
         raise ToolError(
             f"{path}: {clip.path} has {counted(longest, 'sample')}{between}, too few to learn from; at least "
             f"{MIN_SAMPLES} are needed."

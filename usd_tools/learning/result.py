@@ -37,7 +37,7 @@ class MetricReport:
     quality : str
         "loc", "rot" or "hyb".
     animations : tuple of dict
-        Of each clip: file, sha256, prim, frames, stretches (value blocks and steps cut).
+        Of each clip: file, sha256, prim, frames, stretches (parted at value blocks, steps and cuts).
     scores : tuple of dict
         what, in_sample, score, slerp_score, plain_score (the scheme's without learning), gain (share of the better of
         these two), verdict.

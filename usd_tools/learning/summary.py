@@ -35,7 +35,9 @@ def _print_metric(report: MetricReport, verbose: bool) -> None:
     n_frames = sum(animation["frames"] for animation in report.animations)
     n_stretches = sum(animation["stretches"] for animation in report.animations)
     n_keys = sum(report.provenance["keys"])
-    cut = f", in {n_stretches} stretches between value blocks and steps" if n_stretches > len(report.clips) else ""
+    cut = (
+        f", in {n_stretches} stretches between value blocks, steps and cuts" if n_stretches > len(report.clips) else ""
+    )
     joints = counted(len(report.joints), "joint")
     say(f"{_named(report.clips)}: {n_keys} of {n_frames} samples kept as keys{cut}, {joints}")
     say(f"  {report.summary}")

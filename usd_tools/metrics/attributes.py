@@ -31,6 +31,9 @@ _TYPES = {
 SOURCE_CODES = f"{NAMESPACE}:sourceTimeCodes"
 """Of a sparse animation: where its source had samples."""
 
+SOURCE_CUTS = f"{NAMESPACE}:sourceCuts"
+"""Of a sparse animation: between which samples of its source cuts are, as pairs of indices into `SOURCE_CODES`."""
+
 _OPTIONAL = ("axes", "translationTension")
 _ENTRIES = "entries"
 """Entry that names those that count: USD merges the dictionaries of layers, so an older metric's would show through."""
@@ -162,9 +165,22 @@ def read_metric(prim: Usd.Prim) -> LearnedMetric | None:
         raise ToolError(f"{prim.GetPath()}: the stored metric is invalid: {error}") from error
 
 
-def write_source_codes(spec: Sdf.PrimSpec, codes: np.ndarray) -> None:
-    """Write on a SkelAnimation the time codes, shape=[F], at which its source had samples."""
+def write_source_codes(spec: Sdf.PrimSpec, codes: np.ndarray, cuts: np.ndarray | None = None) -> None:
+    """Write on a SkelAnimation what its source had.
+
+    Parameters
+    ----------
+    spec : Sdf.PrimSpec
+    codes : array-like, shape=[F]
+        Time codes of the samples.
+    cuts : array-like, shape=[C, 2]
+        Time codes of the samples on both sides of each cut.
+        Optional, default: None, nothing is said of them.
+    """
     _attribute(spec, SOURCE_CODES, Sdf.ValueTypeNames.DoubleArray).default = Vt.DoubleArray.FromNumpy(codes)
+    if cuts is not None:
+        pairs = Vt.Vec2iArray.FromNumpy(np.searchsorted(codes, cuts).astype(np.int32))
+        _attribute(spec, SOURCE_CUTS, Sdf.ValueTypeNames.Int2Array).default = pairs
 
 
 def read_source_codes(prim: Usd.Prim) -> np.ndarray | None:
@@ -182,6 +198,27 @@ def read_source_codes(prim: Usd.Prim) -> np.ndarray | None:
     if not (len(codes) and np.isfinite(codes).all() and (np.diff(codes) > 0.0).all()):
         raise ToolError(f"{prim.GetPath()}: {SOURCE_CODES} must hold increasing numbers (double[]); repair the file.")
     return codes
+
+
+def read_source_cuts(prim: Usd.Prim, n_codes: int) -> np.ndarray:
+    """Read between which samples of the source of a sparse SkelAnimation there are cuts, shape=[C, 2], as indices.
+
+    Raises
+    ------
+    ToolError
+        If they are not increasing indices of the source's samples.
+    """
+    value = prim.GetAttribute(SOURCE_CUTS).Get()
+    if value is None:
+        return np.zeros((0, 2), dtype=np.intp)
+    cuts = np.array(value, dtype=np.intp) if isinstance(value, Vt.Vec2iArray) else np.zeros((1, 2), dtype=np.intp)
+    before, after = cuts.T
+    if not ((before >= 0).all() and (before < after).all() and (after < n_codes).all()):
+        raise ToolError(
+            f"{prim.GetPath()}: {SOURCE_CUTS} must hold pairs of increasing indices of {SOURCE_CODES} (int2[]); repair "
+            "the file."
+        )
+    return cuts
 
 
 def _attribute(spec: Sdf.PrimSpec, name: str, type_name: Sdf.ValueTypeName) -> Sdf.AttributeSpec:

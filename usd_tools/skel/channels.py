@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -86,12 +87,14 @@ class Channel:
         starts, stops = np.flatnonzero(edges == -1), np.flatnonzero(edges == 1)
         return [slice(int(a), int(b)) for a, b in zip(starts, stops, strict=True) if b - a > 1]
 
-    def stretches(self, codes_per_second: float) -> list[slice]:
-        """Spans, cut where two samples are a step: a curve must not take the jump for motion."""
+    def stretches(self, codes_per_second: float, cuts: np.ndarray) -> list[slice]:
+        """Return the spans, parted where two samples are a step, or where a gap is in a cut, shape=[C, 2]."""
         stretches = []
         for span in self.spans:
-            cuts = span.start + 1 + np.flatnonzero(step_pairs(self.codes[span], codes_per_second))
-            edges = [span.start, *cuts.tolist(), span.stop]
+            jumps = step_pairs(self.codes[span], codes_per_second)
+            for before, after in cuts:
+                jumps |= (self.codes[span][:-1] >= before) & (self.codes[span][1:] <= after)
+            edges = [span.start, *(span.start + 1 + np.flatnonzero(jumps)).tolist(), span.stop]
             stretches += [slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True) if b - a > 1]
         return stretches
 
@@ -114,6 +117,14 @@ class Channel:
     def is_constant(self) -> bool:
         """Whether every sample is the same, bit for bit, and none is blocked."""
         return not self.blocked.any() and bool(self.holds.all())
+
+
+def sampled_alike(channels: Mapping[str, Channel]) -> list[tuple[str, ...]]:
+    """Group channels that have the same samples and blocks."""
+    groups: dict[tuple[object, ...], list[str]] = {}
+    for name, channel in channels.items():
+        groups.setdefault((channel.codes.tobytes(), channel.blocked.tobytes()), []).append(name)
+    return [tuple(names) for names in groups.values()]
 
 
 def write_samples(spec: Sdf.AttributeSpec, channel: Channel, offset: Sdf.LayerOffset | None = None) -> None:

@@ -14,14 +14,15 @@ from geomstats_anim import Animation, Skeleton
 from geomstats_anim.names import repeated_name
 from geomstats_anim.rotations import normalize
 from usd_tools.console.errors import ToolError
-from usd_tools.skel.channels import JOINT_CHANNELS, VALUE_CLIPS, Channel, read_channel, step_pairs
+from usd_tools.skel.channels import JOINT_CHANNELS, VALUE_CLIPS, Channel, read_channel, sampled_alike, step_pairs
 from usd_tools.skel.find import AnimationSource, chosen_variants
 from usd_tools.skel.joint_names import read_names
 from usd_tools.skel.skeleton import BoundSkeleton, read_skeleton
+from usd_tools.skel.source_codes import stored_source_codes
 
 
 class Stretch(NamedTuple):
-    """Samples between value blocks and steps, so that a curve may lead through them.
+    """Samples between value blocks, steps and cuts, so that a curve may lead through them.
 
     Attributes
     ----------
@@ -57,6 +58,9 @@ class SkelClip:
     codes_per_second : float
     notes : tuple of str
         Sentences about what a user should know.
+    given_cuts : array-like, shape=[C, 2]
+        Time codes of the samples before and after each cut.
+        Optional, default: None, cuts are found where the pose jumps.
     """
 
     source: AnimationSource
@@ -68,6 +72,7 @@ class SkelClip:
     world_scale: float
     codes_per_second: float
     notes: tuple[str, ...] = ()
+    given_cuts: np.ndarray | None = None
 
     @property
     def path(self) -> str:
@@ -90,6 +95,23 @@ class SkelClip:
         """Whether each gap between `codes` is a step and not motion, shape=[K - 1]."""
         return step_pairs(self.codes, self.codes_per_second)
 
+    @cached_property
+    def cuts(self) -> np.ndarray:
+        """Time codes of the samples before and after each cut, shape=[C, 2]; see `find_cuts`."""
+        if self.given_cuts is not None:
+            return self.given_cuts
+        from usd_tools.skel.cuts import find_cuts
+
+        joint_channels = {name: self.channels[name] for name in JOINT_CHANNELS if name in self.channels}
+        found = [np.zeros((0, 2))]
+        for names in sampled_alike({name: each for name, each in joint_channels.items() if each.is_animated}):
+            channel = self.channels[names[0]]
+            for span in channel.spans:
+                codes = channel.codes[span]
+                before = np.flatnonzero(find_cuts(self.keys(names, span)))
+                found.append(np.stack([codes[before], codes[before + 1]], axis=-1))
+        return np.unique(np.concatenate(found), axis=0)
+
     def samples_per_second(self, codes: np.ndarray | None = None) -> float:
         """Return the usual rate of samples, steps left aside.
 
@@ -104,7 +126,7 @@ class SkelClip:
         return float(self.codes_per_second / np.median(gaps))
 
     def stretches(self, names: Sequence[str]) -> Iterator[Stretch]:
-        """Cut the samples of some channels at value blocks and steps.
+        """Part the samples of some channels at value blocks, steps and cuts.
 
         Parameters
         ----------
@@ -121,8 +143,12 @@ class SkelClip:
         ToolError
             If a quaternion has no length.
         """
-        for span in self.channels[names[0]].stretches(self.codes_per_second):
+        for span in self.spans(names[0]):
             yield Stretch(span, self.keys(names, span))
+
+    def spans(self, name: str) -> list[slice]:
+        """Return which samples of a channel belong to each stretch; see `stretches`."""
+        return self.channels[name].stretches(self.codes_per_second, self.cuts)
 
     def keys(self, names: Sequence[str], samples: slice | np.ndarray) -> Animation:
         """Make an animation of the whole skeleton from samples of some channels, none of them blocked.
@@ -196,6 +222,10 @@ def read_clip(source: AnimationSource) -> SkelClip:
     is_partly_authored = joints and any(name in channels for name in JOINT_CHANNELS)
     missing = _rest_values(bound, absent) if is_partly_authored else {}
     clip = SkelClip(bound.source, bound.skeleton, joints, bound.columns, channels, missing, bound.world_scale, rate)
+    stored = stored_source_codes(source.prim, clip.codes)
+    if stored is not None:
+        # The samples that are left say nothing of the gaps between them.
+        clip = replace(clip, given_cuts=stored.cuts)
     notes += bound.notes
     if is_partly_authored and absent:
         notes.append(_missing_note(clip, absent))

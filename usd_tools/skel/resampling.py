@@ -11,7 +11,7 @@ import numpy as np
 from geomstats_anim import SCHEMES, Animation, LearnedMetric
 from geomstats_anim.interpolation.curves import Curve, Fallback
 from usd_tools.console.errors import ToolError
-from usd_tools.skel.channels import Channel
+from usd_tools.skel.channels import Channel, sampled_alike
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.frame_rates import rate_like
 
@@ -118,8 +118,8 @@ def resample(
     """Interpolate a clip.
 
     Every channel keeps its own samples bit for bit, whatever samples other channels have. An element that is the same
-    in two neighbouring samples stays the same between them. Value blocks stay where they are, and nothing is written
-    into them.
+    in two neighbouring samples stays the same between them, and all are held until the end of a cut. Value blocks stay
+    where they are, and nothing is written into them.
 
     Parameters
     ----------
@@ -149,13 +149,13 @@ def resample(
     animated = {name: channel for name, channel in clip.channels.items() if channel.is_animated}
     filled = {name: _held(channel, codes) for name, channel in animated.items()}
     fallbacks: list[Fallback] = []
-    n_spans = sum(len(channel.stretches(clip.codes_per_second)) for channel in animated.values())
+    n_spans = sum(len(clip.spans(name)) for name in animated)
     weights = animated.pop("blendShapeWeights", None)
     if weights is not None:
-        for span in weights.stretches(clip.codes_per_second):
+        for span in clip.spans(weights.name):
             _fill_linearly(weights, span, filled[weights.name])
             advance(1.0 / n_spans)
-    for names in _sampled_alike(animated):
+    for names in sampled_alike(animated):
         try:
             for span, keys in clip.stretches(names):
                 curve = SCHEMES[scheme](keys, metric)
@@ -179,9 +179,9 @@ def sampled_together(clip: SkelClip) -> SkelClip:
     together : SkelClip
     """
     animated = {name: channel for name, channel in clip.channels.items() if channel.is_animated}
-    if len(_sampled_alike(animated)) < 2:
+    if len(sampled_alike(animated)) < 2:
         return clip
-    shown = resample(clip, clip.codes, "slerp").channels
+    shown = resample(without_cuts(clip), clip.codes, "slerp").channels
     live = reduce(np.intersect1d, [channel.codes[~channel.blocked] for channel in shown.values()])
     blocked = ~np.isin(clip.codes, live)
     together = {}
@@ -189,7 +189,12 @@ def sampled_together(clip: SkelClip) -> SkelClip:
         values = np.zeros((len(clip.codes), *channel.values.shape[1:]), dtype=channel.values.dtype)
         values[~blocked] = channel.values[np.isin(channel.codes, live)]
         together[name] = replace(channel, codes=clip.codes, values=values, blocked=blocked)
-    return replace(clip, channels={**clip.channels, **together})
+    return replace(clip, channels={**clip.channels, **together}, given_cuts=clip.cuts)
+
+
+def without_cuts(clip: SkelClip) -> SkelClip:
+    """Return a clip whose motion leads through every jump, as USD shows it."""
+    return replace(clip, given_cuts=np.zeros((0, 2)))
 
 
 def animation_of(clip: SkelClip) -> Animation:
@@ -214,14 +219,6 @@ def _held(channel: Channel, codes: np.ndarray) -> Channel:
     kept = ~channel.blocked[last] | np.isin(codes, channel.codes)
     last = last[kept]
     return replace(channel, codes=codes[kept], values=channel.values[last], blocked=channel.blocked[last])
-
-
-def _sampled_alike(channels: Mapping[str, Channel]) -> list[tuple[str, ...]]:
-    """Group channels that have the same samples and blocks."""
-    groups: dict[tuple[object, ...], list[str]] = {}
-    for name, channel in channels.items():
-        groups.setdefault((channel.codes.tobytes(), channel.blocked.tobytes()), []).append(name)
-    return [tuple(names) for names in groups.values()]
 
 
 def _fill(

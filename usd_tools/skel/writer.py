@@ -73,6 +73,7 @@ class AnimationLayer:
         metric: LearnedMetric | None,
         messages: Messages,
         source_codes: np.ndarray | None = None,
+        source_cuts: np.ndarray | None = None,
     ) -> None:
         """Write the samples of an animation, all of them: one sample here hides every sample below.
 
@@ -89,6 +90,9 @@ class AnimationLayer:
         source_codes : array-like, shape=[F]
             Of a sparse animation: where its source had samples.
             Optional, default: it is not sparse.
+        source_cuts : array-like, shape=[C, 2]
+            Likewise: time codes of the samples before and after each cut.
+            Optional, default: there is none.
         """
         for path in editable_paths(self, source, messages):
             spec = self.prim(path)
@@ -102,7 +106,7 @@ class AnimationLayer:
                 axes = source.prim.GetAttribute(f"{NAMESPACE}:axes")
                 write_metric(spec, metric, hide_axes=bool(axes) and axes.HasAuthoredValue())
             if source_codes is not None:
-                write_source_codes(spec, source_codes)
+                write_source_codes(spec, source_codes, source_cuts)
         if metric is not None:
             for skeleton in source.skeletons:
                 if not skeleton.IsInstanceProxy():

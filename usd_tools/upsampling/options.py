@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from geomstats_anim.names import INVARIANCES, SCHEME_NAMES
-from usd_tools.console.arguments import TimeCodes, as_time_codes, positive_number, whole_number
+from usd_tools.console.arguments import SOURCE, TimeCodes, as_time_codes, positive_number, whole_number
 from usd_tools.console.errors import UsageError
 from usd_tools.console.options import OutputOptions, one_of, option, several
 from usd_tools.skel.frame_rates import typed_rate
@@ -50,6 +50,10 @@ class UpsampleOptions(OutputOptions):
         "left" or "right", for all joints.
     joint : tuple of str or Style
         Settings of the joints whose name matches, such as "arm*:alpha=4,invariance=right"; the last wins.
+    cut : str, TimeCodes or sequence of float
+        Time codes at which the pose is held until the next sample, instead of where it is found to jump.
+    no_cuts : bool
+        Lead the motion through every jump.
     dry_run : bool
         Do all but write.
     verbose : bool
@@ -66,6 +70,8 @@ class UpsampleOptions(OutputOptions):
     beta: float | None = option(None, positive_number)
     invariance: str | None = option(None, one_of(INVARIANCES))
     joint: tuple[Style, ...] = option((), several(_style))
+    cut: TimeCodes | None = option(None, as_time_codes)
+    no_cuts: bool = option(False, bool)
     dry_run: bool = option(False, bool, recorded=False)
     verbose: bool = option(False, bool, recorded=False)
 
@@ -76,6 +82,10 @@ class UpsampleOptions(OutputOptions):
             raise UsageError(f"name exactly one of --factor, --fps and --times, not {' and '.join(given) or 'none'}")
         if self.retime and self.fps is None:
             raise UsageError("--retime needs --fps")
+        if self.cut is not None and self.cut.text == SOURCE:
+            raise UsageError("--cut must be numbers with commas between them, or a file of such")
+        if self.cut is not None and self.no_cuts:
+            raise UsageError("--cut and --no-cuts cannot go together; leave one of them out")
 
     @property
     def styles(self) -> tuple[Style, ...]:

@@ -39,6 +39,8 @@ class UpsampledAnimation:
     channels : dict
         Of each attribute: samples_before, samples_after, value_blocks.
     stepped_pairs : int
+    cuts : tuple of dict
+        Gaps between samples in which the pose is held: start, end (time codes).
     largest_step : dict or None
         joint, start, end (time codes), degrees.
     wide_steps : tuple of dict
@@ -64,6 +66,7 @@ class UpsampledAnimation:
     last_time_code: float
     channels: dict[str, dict[str, int]]
     stepped_pairs: int
+    cuts: tuple[dict[str, float], ...]
     largest_step: dict[str, Any] | None
     wide_steps: tuple[dict[str, Any], ...]
     fallbacks: tuple[dict[str, Any], ...]

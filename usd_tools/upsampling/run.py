@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,7 @@ from usd_tools.skel.edit_target import EditTargetLayer
 from usd_tools.skel.find import AnimationSource, find_animations, select_animations
 from usd_tools.skel.frame_rates import rate_like
 from usd_tools.skel.output import Output
-from usd_tools.skel.resampling import at_rate, resample, subdivided, with_codes
+from usd_tools.skel.resampling import at_rate, resample, subdivided, with_codes, without_cuts
 from usd_tools.skel.time_codes import clips_with_source_codes, codes_for
 from usd_tools.skel.writer import AnimationLayer
 from usd_tools.upsampling.metric import ChosenMetric, choose_metrics
@@ -124,6 +125,7 @@ def _upsampled(
     clips = _animated(path, select_animations(path, find_animations(stage), options.prim), messages)
     if options.times is not None and options.times.text == SOURCE:
         clips = clips_with_source_codes(clips, messages)
+    clips = _with_cuts(clips, options)
     metrics = choose_metrics(path, clips, options, messages, progress)
     _check_schemes(options, clips, metrics)
     targets = [_target_codes(options, clip, messages) for clip in clips]
@@ -155,6 +157,25 @@ def _animated(path: Path, sources: list[AnimationSource], messages: Messages) ->
             f"{path} has no skeletal animation with two samples or more to go between: {', '.join(counts)}."
         )
     return animated
+
+
+def _with_cuts(clips: Sequence[SkelClip], options: UpsampleOptions) -> list[SkelClip]:
+    """Take the cuts that are asked for, if any are."""
+    if options.no_cuts:
+        return [without_cuts(clip) for clip in clips]
+    if options.cut is None or options.cut.codes is None:
+        return list(clips)
+    wanted = np.unique(options.cut.codes)
+    inside = [wanted[(wanted > clip.codes[0]) & (wanted <= clip.codes[-1])] for clip in clips]
+    outside = np.setdiff1d(wanted, np.concatenate(inside))
+    if len(outside):
+        ranges = ", ".join(f"{clip.path} from {clip.codes[0]:g} to {clip.codes[-1]:g}" for clip in clips)
+        raise ToolError(f"--cut {outside[0]:g} is between no two samples; there is {ranges}.")
+    after = [np.searchsorted(clip.codes, codes) for clip, codes in zip(clips, inside, strict=True)]
+    return [
+        replace(clip, given_cuts=np.stack([clip.codes[end - 1], clip.codes[end]], axis=-1))
+        for clip, end in zip(clips, after, strict=True)
+    ]
 
 
 def _check_schemes(options: UpsampleOptions, clips: Sequence[SkelClip], metrics: Sequence[ChosenMetric]) -> None:

@@ -17,6 +17,9 @@ from usd_tools.skel.rotation_checks import WIDE_DEGREES, largest_step, rotation_
 from usd_tools.upsampling.metric import ChosenMetric
 from usd_tools.upsampling.result import UpsampledAnimation, UpsampleResult
 
+_NAMED_CUTS = 5
+"""Cuts that are named; the report lists all."""
+
 
 @dataclass(frozen=True, eq=False)
 class UpsampledClip:
@@ -31,7 +34,7 @@ class UpsampledClip:
 def warnings_of(upsampled: UpsampledClip, verbose: bool) -> list[str]:
     """Return what went wrong, or may have."""
     clip = upsampled.clip
-    return _fallback_sentences(clip, upsampled.result.fallbacks) + _wide_sentences(clip, verbose)
+    return _fallback_sentences(clip, upsampled.result.fallbacks) + _wide_sentences(clip, verbose) + _cut_sentences(clip)
 
 
 def print_summary(result: UpsampleResult, verbose: bool) -> None:
@@ -99,6 +102,18 @@ def _wide_sentences(clip: SkelClip, verbose: bool) -> list[str]:
     return [f"{clip.path}: {step}{more}; {beyond}" for step in told]
 
 
+def _cut_sentences(clip: SkelClip) -> list[str]:
+    """Name the cuts that were found."""
+    if clip.given_cuts is not None or not len(clip.cuts):
+        return []
+    where = [f"{start:g} to {end:g}" for start, end in clip.cuts[:_NAMED_CUTS]]
+    more = f" and {len(clip.cuts) - len(where)} more" if len(clip.cuts) > len(where) else ""
+    return [
+        f"{clip.path}: the pose jumps from time code {', '.join(where)}{more}, and is held there as at a cut; "
+        "--no-cuts moves it across, --cut says where cuts are."
+    ]
+
+
 def describe(upsampled: UpsampledClip) -> UpsampledAnimation:
     """Return what was done to an animation, as plain values."""
     clip, chosen, degrees = upsampled.clip, upsampled.chosen, rotation_steps(upsampled.clip)
@@ -129,6 +144,7 @@ def describe(upsampled: UpsampledClip) -> UpsampledAnimation:
             for name, channel in upsampled.result.channels.items()
         },
         stepped_pairs=int(clip.steps.sum()),
+        cuts=tuple({"start": start, "end": end} for start, end in clip.cuts.tolist()),
         largest_step=None if largest is None else asdict(largest),
         wide_steps=tuple(asdict(step) for step in wide_steps(clip, degrees)),
         fallbacks=tuple(
