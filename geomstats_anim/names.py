@@ -11,6 +11,9 @@ WITH_METRIC = ("geodesic", "geodesic-spline")
 DEFAULT_SCHEME = "geodesic-spline"
 """Used where neither the user nor a metric asks for another: with the identity metric it predicts best."""
 
+MAX_TENSION = 2.0
+"""Tension of a curve with continuous acceleration, the largest; see `interpolation.tangents`."""
+
 INVARIANCES = ("left", "right")
 """Sides of a joint's metric."""
 

@@ -9,14 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geomstats_anim import rotations as quat
-from geomstats_anim.names import INVARIANCES
+from geomstats_anim.names import INVARIANCES, MAX_TENSION
 from geomstats_anim.rotations import Array
 
 MAX_CONDITION = 1e4
 """Largest ratio of principal moments: beyond, a body tumbles so fast that its geodesics take seconds each."""
-
-MAX_TENSION = 2.0
-"""Tension of a curve with continuous acceleration; see `tangents`."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.progress import ProgressBar, ProgressCallback
 from usd_tools.skel.frame_rates import typed_rate
-from usd_tools.upsampling.joint_styles import Style, parse_style
+from usd_tools.upsampling.joint_styles import Style, parse_style, tension_number
 from usd_tools.upsampling.options import UpsampleOptions
 from usd_tools.upsampling.result import UpsampledAnimation, UpsampleResult
 
@@ -203,12 +203,23 @@ def _add_metric(parse: argparse.ArgumentParser) -> None:
     parse.add_argument("--beta", metavar="B", type=positive_number, help="third principal moment, for all joints")
     parse.add_argument("--invariance", choices=INVARIANCES, help="side of the metric, for all joints")
     parse.add_argument(
+        "--tension",
+        metavar="T",
+        type=tension_number,
+        help="of geodesic-spline, for the turns of all joints: 0 as geodesic, 1 continuous velocity, 2 continuous "
+        "acceleration",
+    )
+    parse.add_argument(
+        "--translation-tension", metavar="T", type=tension_number, help="the same for the translations of all joints"
+    )
+    parse.add_argument(
         "--joint",
         metavar="STYLE",
         type=parse_style,
         action="append",
         default=[],
-        help="for joints whose name matches: 'PATTERN:alpha=4,beta=.5,invariance=right'; repeatable, the last wins",
+        help="for joints whose name matches: 'PATTERN:alpha=4,beta=.5,invariance=right,tension=0', also "
+        "translation-tension, and axes=X Y Z: their rotation vector in degrees; repeatable, the last wins",
     )
 
 

@@ -10,7 +10,8 @@ import numpy as np
 from geomstats_anim.interpolation.exponential import left_jacobian
 from geomstats_anim.learning.batched_bfgs import batched_bfgs
 from geomstats_anim.learning.learnable import Found, Learnable
-from geomstats_anim.parameters import MAX_TENSION, CurveParameters, MetricParameters
+from geomstats_anim.names import MAX_TENSION
+from geomstats_anim.parameters import CurveParameters, MetricParameters
 from geomstats_anim.rotations import Array
 
 BOUND = np.log(10.0)

@@ -225,10 +225,13 @@ def test_joint_styles(tmp_path, clip, refused):
     sentence = refused(clip, "-o", tmp_path / "out.usda", "--factor", 2, "--joint", "leg*:alpha=2")
     assert sentence == "--joint leg* matches no joint; the file has hips, spine, arm."
     for text, words in {
-        "arm": "must look like 'PATTERN:alpha=4,beta=.5,invariance=right', not 'arm'",
+        "arm": "must look like 'PATTERN:alpha=4,beta=.5,invariance=right,tension=0', not 'arm'",
         "arm:alpha=0": "alpha in 'arm:alpha=0' must be a positive number, not '0'",
         "arm:invariance=up": "invariance in 'arm:invariance=up' must be left or right, not 'up'",
-        "arm:gamma=2": "'gamma=2' in 'arm:gamma=2' must set alpha, beta or invariance",
+        "arm:tension=3": "tension in 'arm:tension=3' must be a number from 0 to 2, not '3'",
+        "arm:axes=1 2": "axes in 'arm:axes=1 2' must be three numbers with spaces between them, not '1 2'",
+        "arm:gamma=2": "'gamma=2' in 'arm:gamma=2' must set alpha, beta, invariance, tension, translation-tension or "
+        "axes",
     }.items():
         sentence = refused(clip, "-o", tmp_path / "out.usda", "--factor", 2, "--joint", text, exit_code=2)
         assert sentence == f"--joint: {words}."

@@ -3,35 +3,59 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from geomstats_anim.names import INVARIANCES
+from geomstats_anim.names import INVARIANCES, MAX_TENSION
 from usd_tools.console.arguments import positive_number
 from usd_tools.console.text import did_you_mean
 
 if TYPE_CHECKING:
     from geomstats_anim import LearnedMetric
 
+_EXAMPLE = "'PATTERN:alpha=4,beta=.5,invariance=right,tension=0'"
+
 
 @dataclass(frozen=True)
 class Style:
-    """Numbers for the joints that match a pattern; None leaves what is there.
+    """Settings of the joints that match a pattern; None leaves what is there.
 
     Parameters
     ----------
     pattern : str
         Glob, matched against a joint's path token and against the last part of it.
     alpha, beta : float or None
+        Second and third principal moment; the first is 1.
     invariance : str or None
+        "left" or "right".
+    tension, translation_tension : float or None
+        Of geodesic-spline, for turns and for translations: 0 as geodesic, 1 continuous velocity, 2 continuous
+        acceleration.
+    axes : tuple of float or None
+        Rotation vector of the principal axes, degrees.
     """
 
     pattern: str
     alpha: float | None = None
     beta: float | None = None
     invariance: str | None = None
+    tension: float | None = None
+    translation_tension: float | None = None
+    axes: tuple[float, ...] | None = None
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """The settings that are made, by name."""
+        values = {each.name: getattr(self, each.name) for each in fields(self) if each.name != "pattern"}
+        return {name: value for name, value in values.items() if value is not None}
+
+    @property
+    def has_tension(self) -> bool:
+        """Whether it sets a tension."""
+        return self.tension is not None or self.translation_tension is not None
 
     def matches(self, joint: str) -> bool:
         """Whether a joint's name matches."""
@@ -39,41 +63,76 @@ class Style:
 
     def __str__(self) -> str:
         """Write it as it is written on the command line."""
-        settings = {"alpha": self.alpha, "beta": self.beta, "invariance": self.invariance}
-        words = (
-            f"{name}={value:g}" if isinstance(value, float) else f"{name}={value}"
-            for name, value in settings.items()
-            if value is not None
-        )
+        words = (f"{_word(name)}={_written(value)}" for name, value in self.settings.items())
         return f"{self.pattern}:{','.join(words)}"
 
 
+def _word(name: str) -> str:
+    return name.replace("_", "-")
+
+
+def _written(value: object) -> str:
+    if isinstance(value, tuple):
+        return " ".join(map(_written, value))
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def tension_number(text: str) -> float:
+    """Parse a tension."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not 0.0 <= number <= MAX_TENSION:
+        raise argparse.ArgumentTypeError(f"must be a number from 0 to {MAX_TENSION:g}, not {text!r}")
+    return number
+
+
+def _side(text: str) -> str:
+    if text not in INVARIANCES:
+        raise argparse.ArgumentTypeError(f"must be left or right, not {text!r}{did_you_mean(text, INVARIANCES)}")
+    return text
+
+
+def _axes(text: str) -> tuple[float, ...]:
+    try:
+        numbers = tuple(float(word) for word in text.split())
+    except ValueError:
+        numbers = ()
+    if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
+        raise argparse.ArgumentTypeError(f"must be three numbers with spaces between them, not {text!r}")
+    return numbers
+
+
+_PARSED: dict[str, Callable[[str], Any]] = {
+    "alpha": positive_number,
+    "beta": positive_number,
+    "invariance": _side,
+    "tension": tension_number,
+    "translation-tension": tension_number,
+    "axes": _axes,
+}
+"""What a style may set, and how its value is read."""
+
+
 def parse_style(text: str) -> Style:
-    """Parse `PATTERN:alpha=4,beta=.5,invariance=right`; the last colon counts, for Maya has colons in names."""
+    """Parse `PATTERN:alpha=4,invariance=right,axes=0 0 45`; the last colon counts, for Maya has colons in names."""
     pattern, colon, settings = text.rpartition(":")
     if not colon or not pattern:
-        raise argparse.ArgumentTypeError(f"must look like 'PATTERN:alpha=4,beta=.5,invariance=right', not {text!r}")
-    style = Style(pattern)
+        raise argparse.ArgumentTypeError(f"must look like {_EXAMPLE}, not {text!r}")
+    found = {}
     for setting in settings.split(","):
         name, _, value = (part.strip() for part in setting.partition("="))
-        if name in ("alpha", "beta"):
-            try:
-                number = positive_number(value)
-            except argparse.ArgumentTypeError as error:
-                raise argparse.ArgumentTypeError(f"{name} in {text!r} {error}") from None
-            style = replace(style, alpha=number) if name == "alpha" else replace(style, beta=number)
-        elif name == "invariance":
-            if value not in INVARIANCES:
-                raise argparse.ArgumentTypeError(
-                    f"invariance in {text!r} must be left or right, not {value!r}{did_you_mean(value, INVARIANCES)}"
-                )
-            style = replace(style, invariance=value)
-        else:
+        if name not in _PARSED:
+            words = list(_PARSED)
             raise argparse.ArgumentTypeError(
-                f"{setting!r} in {text!r} must set alpha, beta or invariance"
-                f"{did_you_mean(name, ('alpha', 'beta', 'invariance'))}"
+                f"{setting!r} in {text!r} must set {', '.join(words[:-1])} or {words[-1]}{did_you_mean(name, words)}"
             )
-    return style
+        try:
+            found[name.replace("-", "_")] = _PARSED[name](value)
+        except argparse.ArgumentTypeError as error:
+            raise argparse.ArgumentTypeError(f"{name} in {text!r} {error}") from None
+    return Style(pattern, **found)
 
 
 def styled(metric: LearnedMetric, styles: Sequence[Style]) -> LearnedMetric:
@@ -90,30 +149,42 @@ def styled(metric: LearnedMetric, styles: Sequence[Style]) -> LearnedMetric:
         The same metric where nothing matches; otherwise one that no longer claims to minimise a quality, and says in
         its provenance how it was styled.
     """
+    import numpy as np
+
     from geomstats_anim import MetricParameters
 
-    alpha, beta = metric.parameters.alpha.copy(), metric.parameters.beta.copy()
-    invariance = list(metric.parameters.invariance)
+    old = metric.parameters
+    values: dict[str, Any] = {
+        "alpha": old.alpha.copy(),
+        "beta": old.beta.copy(),
+        "invariance": np.array(old.invariance, dtype=object),
+        "tension": metric.tension.copy(),
+        "translation_tension": metric.translation_tension.copy(),
+        "axes": np.zeros((len(metric.joints), 3)) if old.axes is None else old.axes.copy(),
+    }
     used = []
     for style in styles:
         places = [i for i, joint in enumerate(metric.joints) if style.matches(joint)]
         if places:
             used.append(str(style))
-        if style.alpha is not None:
-            alpha[places] = style.alpha
-        if style.beta is not None:
-            beta[places] = style.beta
-        if style.invariance is not None:
-            for i in places:
-                invariance[i] = style.invariance
+        for name, value in style.settings.items():
+            values[name][places] = np.radians(value) if name == "axes" else value
     if not used:
         return metric
-    parameters = MetricParameters(alpha, beta, metric.parameters.axes, tuple(invariance))
+    axes = None if old.axes is None and not values["axes"].any() else values["axes"]
+    parameters = MetricParameters(values["alpha"], values["beta"], axes, tuple(values["invariance"]))
     before = metric.provenance.get("styles")
     provenance = {**metric.provenance, "styles": [*(before if isinstance(before, list) else []), *used]}
-    return replace(metric, parameters=parameters, quality="", provenance=provenance)
+    return replace(
+        metric,
+        parameters=parameters,
+        tension=values["tension"],
+        translation_tension=values["translation_tension"],
+        quality="",
+        provenance=provenance,
+    )
 
 
 def unmatched(styles: Sequence[Style], joints: Sequence[str]) -> Style | None:
-    """Find the first style that matches no joint; "*" is for all, even if there are none."""
+    """Return the first style that matches no joint; "*" is for all, even if there are none."""
     return next((style for style in styles if style.pattern != "*" and not any(map(style.matches, joints))), None)

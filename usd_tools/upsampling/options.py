@@ -10,7 +10,7 @@ from usd_tools.console.arguments import SOURCE, TimeCodes, as_time_codes, positi
 from usd_tools.console.errors import UsageError
 from usd_tools.console.options import OutputOptions, one_of, option, several
 from usd_tools.skel.frame_rates import typed_rate
-from usd_tools.upsampling.joint_styles import Style, parse_style
+from usd_tools.upsampling.joint_styles import Style, parse_style, tension_number
 
 METRIC_WORDS = ("stored", "identity", "learn")
 """Metrics that are no file."""
@@ -48,8 +48,11 @@ class UpsampleOptions(OutputOptions):
         Second and third principal moment, for all joints; the first is 1.
     invariance : str
         "left" or "right", for all joints.
+    tension, translation_tension : float
+        Of geodesic-spline, from 0 (as geodesic) by 1 (continuous velocity) to 2 (continuous acceleration), for the
+        turns and for the translations of all joints.
     joint : tuple of str or Style
-        Settings of the joints whose name matches, such as "arm*:alpha=4,invariance=right"; the last wins.
+        Settings of the joints whose name matches, such as "arm*:alpha=4,invariance=right,tension=0"; the last wins.
     cut : str, TimeCodes or sequence of float
         Time codes at which the pose is held until the next sample, instead of where it is found to jump.
     no_cuts : bool
@@ -69,6 +72,8 @@ class UpsampleOptions(OutputOptions):
     alpha: float | None = option(None, positive_number)
     beta: float | None = option(None, positive_number)
     invariance: str | None = option(None, one_of(INVARIANCES))
+    tension: float | None = option(None, tension_number)
+    translation_tension: float | None = option(None, tension_number)
     joint: tuple[Style, ...] = option((), several(_style))
     cut: TimeCodes | None = option(None, as_time_codes)
     no_cuts: bool = option(False, bool)
@@ -90,5 +95,5 @@ class UpsampleOptions(OutputOptions):
     @property
     def styles(self) -> tuple[Style, ...]:
         """Settings by hand: those of all joints, then those of patterns."""
-        everywhere = Style("*", self.alpha, self.beta, self.invariance)
+        everywhere = Style("*", self.alpha, self.beta, self.invariance, self.tension, self.translation_tension)
         return (*(() if everywhere == Style("*") else (everywhere,)), *self.joint)

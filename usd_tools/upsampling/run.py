@@ -33,7 +33,7 @@ from usd_tools.upsampling.summary import UpsampledClip, describe, warnings_of
 MAX_ROTATIONS = 1 << 27
 """More than these are taken for a slip of the finger: 2 GiB of quaternions."""
 
-_STYLES = ("alpha", "beta", "invariance", "joint")
+_STYLES = ("alpha", "beta", "invariance", "tension", "translation_tension", "joint")
 
 
 @openusd_errors()
@@ -182,12 +182,16 @@ def _check_schemes(options: UpsampleOptions, clips: Sequence[SkelClip], metrics:
     """Refuse options about a metric where the scheme, asked for or stored, has none."""
     # A scheme may be stored with a metric, and then be asked for by its name.
     words = _STYLES if options.scheme is None else ("metric", *_STYLES)
-    given = [f"--{word}" for word in words if getattr(options, word)]
+    given = [f"--{word.replace('_', '-')}" for word in words if getattr(options, word) not in (None, ())]
     for clip, chosen in zip(clips, metrics, strict=True):
         if given and not chosen.is_used:
             raise ToolError(
                 f"{clip.path}: the scheme {chosen.metric.scheme} has no metric; leave out {', '.join(given)}, or "
                 f"say --scheme {' or '.join(WITH_METRIC)}."
+            )
+        if chosen.metric.scheme == "geodesic" and any(style.has_tension for style in options.styles):
+            raise ToolError(
+                f"{clip.path}: the scheme geodesic has no tension; leave out tensions, or use --scheme geodesic-spline."
             )
 
 

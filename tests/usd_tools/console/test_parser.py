@@ -67,7 +67,8 @@ def test_unknown_options_are_named_before_what_they_leave_missing(usage_error, v
         (
             "upsample",
             ["--joint", "arm:alhpa=2"],
-            "--joint: 'alhpa=2' in 'arm:alhpa=2' must set alpha, beta or invariance; did you mean alpha?",
+            "--joint: 'alhpa=2' in 'arm:alhpa=2' must set alpha, beta, invariance, tension, "
+            "translation-tension or axes; did you mean alpha?",
         ),
         (
             "compare",

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from rigs import make_rig, stored_metric
+from rigs import make_rig, read, stored_metric
 
 from geomstats_anim import SCHEMES, LearnedMetric
 from geomstats_anim.names import WITH_METRIC
@@ -38,6 +38,45 @@ def test_text_round_trip():
     text = "a?b[cd]*:alpha=4,beta=0.5,invariance=right"
     assert str(parse_style(text)) == text
     assert parse_style(str(parse_style(text))) == parse_style(text)
+
+
+def test_tensions_and_axes():
+    texts = ("*:tension=0.5,translation-tension=2", "*Arm:alpha=3,tension=0,axes=0 0 90", "*Hand:alpha=2")
+    styles = [parse_style(text) for text in texts]
+    assert tuple(map(str, styles)) == texts
+    metric = styled(LearnedMetric.plain(JOINTS, "geodesic-spline"), styles)
+    assert metric.tension.tolist() == [0.5, 0.0, 0.5] and metric.translation_tension.tolist() == [2.0] * 3
+    np.testing.assert_allclose(metric.parameters.axes, [[0, 0, 0], [0, 0, np.pi / 2], [0, 0, 0]])
+    # Z of a joint whose second axis has turned to the first
+    np.testing.assert_allclose(metric.parameters.matrices[1], np.diag([3.0, 1.0, 1.0]), atol=1e-12)
+    assert styled(LearnedMetric.plain(JOINTS, "geodesic-spline"), styles[:1]).parameters.axes is None
+
+
+def test_tension_of_zero_is_geodesic_and_of_one_joint_is_its_own(tmp_path, run, refuse):
+    make_rig(tmp_path / "in.usda", codes=range(6))
+    source = ["upsample", tmp_path / "in.usda", "--factor", 2, "-o"]
+    run(*source, tmp_path / "plain.usda")
+    run(*source, tmp_path / "geodesic.usda", "--scheme", "geodesic")
+    run(*source, tmp_path / "zero.usda", "--tension", 0, "--translation-tension", 0)
+    run(*source, tmp_path / "arm.usda", "--joint", "arm:tension=0")
+    plain, geodesic, zero, arm = (
+        np.array(read(tmp_path / f"{name}.usda")[1]) for name in ("plain", "geodesic", "zero", "arm")
+    )
+    np.testing.assert_array_equal(zero, geodesic)
+    np.testing.assert_array_equal(arm[:, :2], plain[:, :2])
+    np.testing.assert_array_equal(arm[:, 2], geodesic[:, 2])
+    assert np.abs(plain - geodesic).max() > 1e-3
+    straight, curved = (np.array(read(tmp_path / f"{n}.usda", "translations")[1]) for n in ("zero", "plain"))
+    np.testing.assert_allclose(straight[1::2], 0.5 * (straight[:-1:2] + straight[2::2]), rtol=1e-6)
+    assert stored_metric(tmp_path / "arm.usda").tension.tolist() == [1.0, 1.0, 0.0]
+    for options in (["--tension", 1], ["--joint", "arm:translation-tension=1"]):
+        sentence = refuse(*source, tmp_path / "o.usda", "--scheme", "geodesic", *options)
+        assert sentence == (
+            "/Rig/Anim: the scheme geodesic has no tension; leave out tensions, or use --scheme geodesic-spline."
+        )
+    assert refuse(*source, tmp_path / "o.usda", "--scheme", "slerp", "--tension", 0).startswith(
+        "/Rig/Anim: the scheme slerp has no metric; leave out --tension"
+    )
 
 
 def test_styles_are_written(tmp_path, run):
