@@ -175,6 +175,9 @@ class Animation:
         Metres.
     scales : array-like, shape=[F, B, 3]
         Optional, default: None, no scaling.
+    world : array-like, shape=[F, 3, 4]
+        Placement of the skeleton in the world: a point p of its space is at world[:, :3] p + world[:, 3], metres.
+        Optional, default: None, where it stands.
 
     Raises
     ------
@@ -195,6 +198,7 @@ class Animation:
     rotations: Array
     translations: Array
     scales: Array | None = None
+    world: Array | None = None
 
     def __post_init__(self) -> None:
         """Check and freeze the arrays."""
@@ -206,6 +210,7 @@ class Animation:
             "rotations": quat.make_continuous(rotations),
             "translations": _floats("translations", self.translations, (*shape, 3)),
             "scales": None if self.scales is None else _floats("scales", self.scales, (*shape, 3)),
+            "world": None if self.world is None else _floats("world", self.world, (len(times), 3, 4)),
         }
         for name, value in values.items():
             if value is not None:
@@ -241,12 +246,14 @@ class Animation:
         """
         index = frames if isinstance(frames, slice) else _indices(np.asarray(frames), self.n_frames)
         scales = None if self.scales is None else self.scales[index]
+        world = None if self.world is None else self.world[index]
         return replace(
             self,
             times=self.times[index],
             rotations=self.rotations[index],
             translations=self.translations[index],
             scales=scales,
+            world=world,
         )
 
 

@@ -6,7 +6,7 @@ Outside the range of its keys, a curve holds the first or the last one.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import overload
 
 import numpy as np
@@ -157,7 +157,7 @@ class Curve(ABC):
             rotations[at_key] = keys.rotations[key[at_key]]
             translations[at_key] = keys.translations[key[at_key]]
         scales = None if keys.scales is None else self._linear(keys.scales, segment, fraction)
-        return replace(keys, times=times, rotations=rotations, translations=translations, scales=scales)
+        return Animation(keys.skeleton, times, rotations, translations, scales)
 
 
 def locate(key_times: Array, times: Array) -> tuple[np.ndarray, Array]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from geomstats_anim.kernels.affine import place_joint, place_marker
 from geomstats_anim.kernels.compilation import compiled
 from geomstats_anim.kernels.vectors import conjugate, dot, multiply, rotate
 
@@ -127,8 +128,8 @@ def hold_starts(rotations, translations, still, starts):
 
 @compiled
 def _room(n_joints):
-    """Return room for a pose: half the angle and the sign of every turn, rotations and origins in the world."""
-    return np.empty((n_joints, 2)), np.empty((n_joints, 4)), np.empty((n_joints, 3))
+    """Return room for a pose: half the angle and the sign of every turn; rotations, origins, matrices in the world."""
+    return np.empty((n_joints, 2)), np.empty((n_joints, 4)), np.empty((n_joints, 3)), np.empty((n_joints, 3, 4))
 
 
 @compiled
@@ -140,24 +141,23 @@ def _error(i, j, truth, limit, room):
     times, largest = truth.times, truth.largest
     angle = room[0]
     _measure_turns(i, j, truth, angle)
-    placed = largest or truth.location.any()
+    placed = truth.location.any()
     total = 0.0
     for step in range(n_inner):
         # from the middle on, where errors are largest, so that the limit is met soon
         f = i + 1 + (step + n_inner // 2) % n_inner
         u = (times[f] - times[i]) / (times[j] - times[i])
+        if largest:
+            total = max(total, _largest_squared_miss(i, j, f, u, truth, room))
+            if total > limit * limit:
+                return np.inf
+            continue
         for b in truth.order:
             q = _slerp(truth.rotations[i, b], truth.rotations[j, b], u, angle[b, 0], angle[b, 1])
-            if not largest and truth.rotation[b] != 0.0:
+            if truth.rotation[b] != 0.0:
                 total += truth.rotation[b] * _angle_between(q, truth.rotations[f, b])
             if placed:
-                squared = _squared_miss(i, j, f, u, b, q, truth, room)
-                if largest:
-                    total = max(total, squared)
-                else:
-                    total += truth.location[b] * squared
-        if largest and total > limit * limit:
-            return np.inf
+                total += truth.location[b] * _squared_miss(i, j, f, u, b, q, truth, room)
     return np.sqrt(total) if largest else total
 
 
@@ -201,9 +201,32 @@ def _angle_between(q, r):
 
 
 @compiled
+def _largest_squared_miss(i, j, f, u, truth, room):
+    """Place all joints, and return the largest squared distance of a marker from where it is in frame f."""
+    angle, _, _, matrices = room
+    a, b = truth.translations[i], truth.translations[j]
+    for joint in truth.order:
+        q = _slerp(truth.rotations[i, joint], truth.rotations[j, joint], u, angle[joint, 0], angle[joint, 1])
+        t = (
+            (1.0 - u) * a[joint, 0] + u * b[joint, 0],
+            (1.0 - u) * a[joint, 1] + u * b[joint, 1],
+            (1.0 - u) * a[joint, 2] + u * b[joint, 2],
+        )
+        parent = truth.parents[joint]
+        above = truth.world[f] if parent < 0 else matrices[parent]
+        place_joint(above, q, t, truth.scales[f, joint], matrices[joint])
+    largest = 0.0
+    for p in range(len(truth.joints)):
+        x, y, z = place_marker(matrices, truth.joints[p], truth.offsets[p], truth.weights[p])
+        dx, dy, dz = x - truth.places[f, p, 0], y - truth.places[f, p, 1], z - truth.places[f, p, 2]
+        largest = max(largest, dx * dx + dy * dy + dz * dz)
+    return largest
+
+
+@compiled
 def _squared_miss(i, j, f, u, b, q, truth, room):
     """Place a joint in the world, and return the squared distance of its bone's end from where it is in frame f."""
-    _, world, origin = room
+    _, world, origin, _ = room
     translations, bone_ends, ends = truth.translations, truth.bone_ends, truth.ends
     x = (1.0 - u) * translations[i, b, 0] + u * translations[j, b, 0]
     y = (1.0 - u) * translations[i, b, 1] + u * translations[j, b, 1]

@@ -14,6 +14,7 @@ from geomstats_anim.animation import Animation
 from geomstats_anim.kernels import segment_errors as kernel
 from geomstats_anim.kernels.threads import in_threads
 from geomstats_anim.kinematics import breadth_first, world_pose
+from geomstats_anim.markers import Markers, joint_matrices
 from geomstats_anim.rotations import Array
 
 
@@ -28,13 +29,18 @@ class Measure(NamedTuple):
     ----------
     location, rotation : array-like, shape=[B]
         Weight of each joint's squared distance of bone ends, square metres, and of its angle, radians.
-    largest : bool
-        Whether the largest distance of bone ends counts instead, over joints and frames, metres.
+    markers : Markers or None
+        Those whose largest distance in the world counts instead, over frames, metres; None for the weighted sum.
     """
 
     location: Array
     rotation: Array
-    largest: bool
+    markers: Markers | None = None
+
+    @property
+    def largest(self) -> bool:
+        """Whether the largest distance counts, and not a sum."""
+        return self.markers is not None
 
 
 def segment_errors(animation: Animation, candidates: np.ndarray, window: int, measure: Measure) -> Array:
@@ -66,7 +72,9 @@ def segment_errors(animation: Animation, candidates: np.ndarray, window: int, me
     return errors
 
 
-def fewest(animation: Animation, candidates: np.ndarray, forced: np.ndarray, tolerance: float) -> np.ndarray:
+def fewest(
+    animation: Animation, candidates: np.ndarray, forced: np.ndarray, tolerance: float, measure: Measure
+) -> np.ndarray:
     """Find the fewest candidates between which slerping stays within a tolerance.
 
     Parameters
@@ -78,7 +86,9 @@ def fewest(animation: Animation, candidates: np.ndarray, forced: np.ndarray, tol
     forced : array-like of bool, shape=[N]
         Those that must be, the first and the last among them.
     tolerance : float
-        Largest distance of bone ends, metres.
+        Largest distance of markers, metres.
+    measure : Measure
+        With markers.
 
     Returns
     -------
@@ -90,9 +100,8 @@ def fewest(animation: Animation, candidates: np.ndarray, forced: np.ndarray, tol
     UnreachableError
         If even neighbouring candidates are not within the tolerance.
     """
-    nothing = np.zeros(animation.n_joints)
     before = np.full(len(candidates), -1, dtype=np.intp)
-    kernel.reach(candidates, forced, truth_of(animation, Measure(nothing, nothing, True)), tolerance, before)
+    kernel.reach(candidates, forced, truth_of(animation, measure), tolerance, before)
     chosen = [len(candidates) - 1]
     while chosen[-1]:
         if before[chosen[-1]] < 0:
@@ -148,11 +157,18 @@ class Truth(NamedTuple):
     location: Array
     rotation: Array
     largest: bool
+    world: Array
+    scales: Array
+    joints: np.ndarray
+    offsets: Array
+    weights: Array
+    places: Array
 
 
 def truth_of(animation: Animation, measure: Measure) -> Truth:
     """Copy what the compiled code needs into plain arrays."""
-    skeleton = animation.skeleton
+    skeleton, markers = animation.skeleton, measure.markers or Markers.none()
+    shape = (animation.n_frames, animation.n_joints)
     # copies, as compiled code has one variant for arrays that may be written to and another for those that may not
     return Truth(
         breadth_first(skeleton),
@@ -165,4 +181,10 @@ def truth_of(animation: Animation, measure: Measure) -> Truth:
         np.array(measure.location),
         np.array(measure.rotation),
         measure.largest,
+        np.array(np.broadcast_to(np.eye(3, 4), (shape[0], 3, 4)) if animation.world is None else animation.world),
+        np.ones((*shape, 3)) if animation.scales is None else np.array(animation.scales),
+        markers.joints,
+        markers.offsets,
+        markers.weights,
+        markers.places(joint_matrices(animation)),
     )

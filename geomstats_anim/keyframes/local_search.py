@@ -8,6 +8,7 @@ and what they gain together is measured before it is taken.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from geomstats_anim.interpolation.curves import Metric
 from geomstats_anim.interpolation.schemes import SCHEMES
 from geomstats_anim.keyframes.dynamic_programming import Measure
 from geomstats_anim.kinematics import world_pose
+from geomstats_anim.markers import world_errors
 from geomstats_anim.rotations import Array
 
 _MOVE_STRIDE, _MOVE_REACH = 4, 2
@@ -68,10 +70,11 @@ def judge_of(
     def judge(keys: np.ndarray) -> Array:
         rebuilt = SCHEMES[scheme](truth.at_frames(keys), metric)(truth.times)
         cost = np.zeros(truth.n_frames)
-        if measure.largest or measure.location.any():
+        if measure.markers is not None:
+            distance = world_errors(replace(rebuilt, scales=truth.scales), truth, measure.markers)
+            return (distance.max(axis=-1) / (tolerance or 1.0)) ** _POWER
+        if measure.location.any():
             distance = np.linalg.norm(world_pose(rebuilt).ends - ends, axis=-1)
-            if measure.largest:
-                return (distance.max(axis=-1) / (tolerance or 1.0)) ** _POWER
             cost += distance**2 @ measure.location
         if measure.rotation.any():
             cost += rotation_errors(rebuilt, truth) @ measure.rotation

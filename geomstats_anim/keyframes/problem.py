@@ -18,6 +18,7 @@ from geomstats_anim.keyframes.coarse_to_fine import cheapest_keys
 from geomstats_anim.keyframes.dynamic_programming import Measure, UnreachableError, fewest
 from geomstats_anim.keyframes.local_search import Judge, judge_of, moved, thinned
 from geomstats_anim.learned_metric import LearnedMetric
+from geomstats_anim.markers import Markers
 from geomstats_anim.names import CRITERIA, KINDS, LARGEST
 
 _HOLD_SECONDS = 0.25
@@ -80,6 +81,7 @@ def optimal_keyframes(
     keep: ArrayLike = (),
     weights: str | ArrayLike | None = None,
     location_weight: float = 0.5,
+    markers: Markers | None = None,
     progress: Callable[[float], None] = lambda share: None,
 ) -> np.ndarray:
     """Choose the keys from which an animation is rebuilt best, or the fewest from which it is rebuilt well enough.
@@ -95,7 +97,8 @@ def optimal_keyframes(
     count : int
         Keys to keep, K. Either this or the tolerance.
     tolerance : float
-        Metres that no bone end may be away from its place in any frame.
+        Metres in the world that no marker may be away from its place in any frame. Scales are taken to be kept at
+        all frames.
     kind : str
         What `count` keys should make least: "loc", "rot" or "hyb", see `quality`; or "max", the largest distance of a
         bone end, which is what a tolerance is about.
@@ -114,7 +117,9 @@ def optimal_keyframes(
     location_weight : float
         Share of "loc" in "hyb".
         Optional, default: 0.5.
-
+    markers : Markers
+        Points that a tolerance, and "max", are about.
+        Optional, default: every joint, and the end of its bone.
     progress : callable
         Called with the share of the work that is done, from 0 to 1, while a count is sought in many frames.
 
@@ -140,7 +145,7 @@ def optimal_keyframes(
     >>> optimal_keyframes(swing, count=3)
     array([ 0,  3, 10])
     """
-    problem = KeyProblem.of(animation, count, tolerance, kind, keep, weights, location_weight)
+    problem = KeyProblem.of(animation, count, tolerance, kind, keep, weights, location_weight, markers)
     if scheme not in SCHEMES:
         raise ValueError(f"There is no scheme {scheme!r}; the schemes are {', '.join(SCHEMES)}.")
     return problem.refined(problem.under_slerp(progress), scheme, metric)
@@ -179,6 +184,7 @@ class KeyProblem:
         keep: ArrayLike = (),
         weights: str | ArrayLike | None = None,
         location_weight: float = 0.5,
+        markers: Markers | None = None,
     ) -> KeyProblem:
         """Check the arguments of `optimal_keyframes`."""
         n_frames = animation.n_frames
@@ -192,7 +198,8 @@ class KeyProblem:
             raise ValueError(f"The tolerance must be above 0 metres, but it is {tolerance}.")
         if tolerance is not None and kind not in (None, LARGEST):
             raise ValueError(f'A tolerance is about kind "{LARGEST}", but kind is {kind!r}; leave it out.')
-        measure = _measure(kind or ("hyb" if tolerance is None else LARGEST), animation, weights, location_weight)
+        kind = kind or ("hyb" if tolerance is None else LARGEST)
+        measure = _measure(kind, animation, weights, location_weight, markers)
         kept = np.asarray(keep)
         if kept.size and (not np.equal(kept, np.round(kept)).all() or kept.min() < 0 or kept.max() >= n_frames):
             raise ValueError(f"keep must hold frames from 0 to {n_frames - 1}, but it is {kept.tolist()}.")
@@ -208,10 +215,10 @@ class KeyProblem:
         if count is None:
             assert self.tolerance is not None
             try:
-                return free[fewest(self.animation, free, np.isin(free, self.fixed), self.tolerance)]
+                return free[fewest(self.animation, free, np.isin(free, self.fixed), self.tolerance, self.measure)]
             except UnreachableError:  # holds move by more than the tolerance
                 every = np.arange(n_frames)
-                return fewest(self.animation, every, np.isin(every, self.fixed), self.tolerance)
+                return fewest(self.animation, every, np.isin(every, self.fixed), self.tolerance, self.measure)
         if not len(self.fixed) <= count <= n_frames:
             raise ValueError(
                 f"count is {count}, but {len(self.fixed)} of {n_frames} frames must stay: the ends, those of holds and "
@@ -242,14 +249,20 @@ class KeyProblem:
         return moved(judge, keys, self.fixed)
 
 
-def _measure(kind: str, animation: Animation, weights: str | ArrayLike | None, location_weight: float) -> Measure:
+def _measure(
+    kind: str,
+    animation: Animation,
+    weights: str | ArrayLike | None,
+    location_weight: float,
+    markers: Markers | None,
+) -> Measure:
     by_joint = joint_weights(weights, animation.skeleton)
     if kind == LARGEST:
-        return Measure(0.0 * by_joint, 0.0 * by_joint, True)
+        return Measure(0.0 * by_joint, 0.0 * by_joint, markers or Markers.of_bones(animation.skeleton))
     if kind not in KINDS:
         raise ValueError(f"There is no kind {kind!r}; the kinds are {', '.join(CRITERIA)}.")
     shares = kind_shares(kind, location_weight)
-    return Measure(shares.location * by_joint, shares.rotation * by_joint, False)
+    return Measure(shares.location * by_joint, shares.rotation * by_joint)
 
 
 def _holds(animation: Animation) -> tuple[np.ndarray, np.ndarray]:

@@ -18,6 +18,7 @@ from geomstats_anim.interpolation.schemes import SCHEMES
 from geomstats_anim.keyframes.problem import KeyProblem, by_halving, uniform_keyframes
 from geomstats_anim.learned_metric import LearnedMetric
 from geomstats_anim.learning.learn import learn_metric, turns
+from geomstats_anim.markers import Markers
 from geomstats_anim.names import SELECTIONS, WITH_METRIC
 
 _ROUNDS = 3
@@ -53,6 +54,7 @@ def compress(
     scheme: str = "geodesic-spline",
     family: str | None = None,
     keep: Sequence[ArrayLike] | None = None,
+    markers: Markers | None = None,
     progress: Callable[[int, float], None] = lambda evaluations, value: None,
 ) -> Compressed:
     """Choose keys and learn the metric for them, in turn, until neither improves.
@@ -64,7 +66,7 @@ def compress(
     counts : sequence of int
         Keys to keep of each. Either this or the tolerance.
     tolerance : float
-        Metres that no bone end may be away from its place in any frame; the fewest keys are sought.
+        Metres in the world that no marker may be away from its place in any frame; the fewest keys are sought.
     kind : str
         As in `optimal_keyframes`.
         Optional, default: "hyb" for counts, "max" for a tolerance.
@@ -80,6 +82,9 @@ def compress(
     keep : sequence of array-like of int
         Frames of each that must be kept.
         Optional, default: none.
+    markers : Markers
+        As in `optimal_keyframes`.
+        Optional, default: every joint, and the end of its bone.
     progress : callable
         Called with the number of evaluations of a search for a metric, and the best value so far.
 
@@ -123,6 +128,7 @@ def compress(
             tolerance,
             kind,
             () if keep is None else keep[i],
+            markers=markers,
         )
         for i, animation in enumerate(animations)
     ]

@@ -7,7 +7,6 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from geomstats_anim import SCHEMES, Animation, MetricParameters, Skeleton, interpolate, optimal_keyframes, quality
-from geomstats_anim.criteria import location_errors
 from geomstats_anim.keyframes.dynamic_programming import (
     Measure,
     UnreachableError,
@@ -15,6 +14,8 @@ from geomstats_anim.keyframes.dynamic_programming import (
     fewest,
     segment_errors,
 )
+from geomstats_anim.kinematics import world_pose
+from geomstats_anim.markers import Markers
 from geomstats_anim.names import CRITERIA
 
 SKELETON = Skeleton(
@@ -38,9 +39,15 @@ def clip(n_frames, seed=0, size=1.0, skeleton=SKELETON):
     return Animation(skeleton, times, rotations, skeleton.rest_translations + moves)
 
 
+def bone_errors(rebuilt, animation):
+    """Distances of joints and of the ends of their bones."""
+    ours, truth = (np.concatenate(world_pose(each)[1:], axis=1) for each in (rebuilt, animation))
+    return np.linalg.norm(ours - truth, axis=-1)
+
+
 def cost(animation, keys, kind, scheme="slerp", metric=None):
     rebuilt = interpolate(animation.at_frames(keys), animation.times, scheme, metric)
-    return location_errors(rebuilt, animation).max() if kind == "max" else quality(rebuilt, animation, kind)
+    return bone_errors(rebuilt, animation).max() if kind == "max" else quality(rebuilt, animation, kind)
 
 
 def every_choice(n_frames, count):
@@ -71,9 +78,9 @@ def test_segment_errors_are_those_of_slerp(size):
     animation = clip(9, size=size)
     weights = np.array([1.0, 0.5, 2.0])
     measures = {
-        "loc": Measure(weights, 0.0 * weights, False),
-        "rot": Measure(0.0 * weights, weights, False),
-        "max": Measure(0.0 * weights, 0.0 * weights, True),
+        "loc": Measure(weights, 0.0 * weights),
+        "rot": Measure(0.0 * weights, weights),
+        "max": Measure(0.0 * weights, 0.0 * weights, Markers.of_bones(SKELETON)),
     }
     for kind, measure in measures.items():
         errors = segment_errors(animation, np.arange(9), 8, measure)
@@ -82,7 +89,7 @@ def test_segment_errors_are_those_of_slerp(size):
                 part = animation.at_frames(slice(start, stop + 1))
                 rebuilt = interpolate(part.at_frames([0, part.n_frames - 1]), part.times, "slerp")
                 if kind == "max":
-                    expected = location_errors(rebuilt, part).max()
+                    expected = bone_errors(rebuilt, part).max()
                 else:
                     expected = quality(rebuilt, part, kind, weights) * part.n_frames
                 assert errors[start, stop - start - 1] == pytest.approx(expected, rel=1e-7, abs=1e-12)
@@ -184,7 +191,7 @@ def test_keys_that_no_segments_join_are_an_error():
     apart = np.array([0, 20, 39])
     forced = np.array([True, False, True])
     with pytest.raises(UnreachableError, match="^No keys among 3 frames stay within 1e-06 m[.]$"):
-        fewest(animation, apart, forced, 1e-6)
+        fewest(animation, apart, forced, 1e-6, Measure(np.zeros(3), np.zeros(3), Markers.of_bones(SKELETON)))
     errors = np.array([[1.0], [1.0], [1.0], [np.inf]])
     with pytest.raises(UnreachableError, match="^No 2 of 4 frames are joined by segments that were measured[.]$"):
         cheapest(errors, np.array([True, False, False, True]), 2, False)

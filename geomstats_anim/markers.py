@@ -1,0 +1,166 @@
+"""Points that move with a skeleton, and how far they are from where they should be in the world."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from geomstats_anim.animation import Animation, Skeleton
+from geomstats_anim.kernels import affine as kernel
+from geomstats_anim.kinematics import breadth_first
+from geomstats_anim.rotations import Array
+
+SHELL_RADIUS = 0.03
+"""Metres from a joint to its shell: about half the thickness of a forearm."""
+
+
+def joint_matrices(animation: Animation) -> Array:
+    """Place every joint in the world, scales and the placement of the skeleton included.
+
+    As in UsdSkel, a joint's own scale comes first, then its rotation and translation, then its parent's matrix.
+
+    Parameters
+    ----------
+    animation : Animation
+
+    Returns
+    -------
+    matrices : array-like, shape=[F, B, 3, 4]
+        A point p of a joint's frame is at m[:, :3] p + m[:, 3], metres.
+    """
+    shape = (animation.n_frames, animation.n_joints)
+    matrices = np.empty((*shape, 3, 4))
+    scales = np.ones((*shape, 3)) if animation.scales is None else animation.scales
+    world = np.broadcast_to(np.eye(3, 4), (len(matrices), 3, 4)) if animation.world is None else animation.world
+    kernel.place_joints(
+        breadth_first(animation.skeleton),
+        np.array(animation.skeleton.parents),
+        np.array(world),
+        np.array(animation.rotations),
+        np.array(animation.translations),
+        np.array(scales),
+        matrices,
+    )
+    return matrices
+
+
+@dataclass(frozen=True, eq=False)
+class Markers:
+    """Points that move with joints; one that moves with several is blended linearly, as skin is.
+
+    Parameters
+    ----------
+    joints : array-like of int, shape=[P, I]
+        Joints that each marker moves with.
+    offsets : array-like, shape=[P, I, 3]
+        Place of the marker in the frame of each of them, metres.
+    weights : array-like, shape=[P, I]
+        Share of each of them.
+    """
+
+    joints: np.ndarray
+    offsets: Array
+    weights: Array
+
+    def __post_init__(self) -> None:
+        """Copy to the types that kernels are compiled for."""
+        object.__setattr__(self, "joints", np.array(self.joints, dtype=np.intp, order="C"))
+        object.__setattr__(self, "offsets", np.array(self.offsets, dtype=np.float64, order="C"))
+        object.__setattr__(self, "weights", np.array(self.weights, dtype=np.float64, order="C"))
+
+    @classmethod
+    def on_joints(cls, joints: np.ndarray, offsets: Array) -> Markers:
+        """Make markers that move with one joint each, shape=[P], at offsets, shape=[P, 3]."""
+        return cls(joints[:, None], offsets[:, None], np.ones((len(joints), 1)))
+
+    @classmethod
+    def none(cls) -> Markers:
+        """Mark nothing."""
+        return cls.on_joints(np.zeros(0, dtype=np.intp), np.zeros((0, 3)))
+
+    @classmethod
+    def of_bones(cls, skeleton: Skeleton) -> Markers:
+        """Mark every joint, and the end of its bone."""
+        joints = np.arange(skeleton.n_joints)
+        ends = np.concatenate([np.zeros((skeleton.n_joints, 3)), skeleton.bone_ends])
+        return cls.on_joints(np.tile(joints, 2), ends)
+
+    @classmethod
+    def of_shell(cls, animation: Animation, radius: float = SHELL_RADIUS) -> Markers:
+        """Mark every joint, the end of its bone, and points around the joint on its axes, so that twists count too.
+
+        Parameters
+        ----------
+        animation : Animation
+            In its first frame the points are at the radius in the world.
+        radius : float
+            Metres.
+            Optional, default: `SHELL_RADIUS`.
+        """
+        bones = cls.of_bones(animation.skeleton)
+        axes = joint_matrices(animation.at_frames(slice(0, 1)))[0, :, :, :3]
+        lengths = np.linalg.norm(axes, axis=-2)  # of a joint's axes in the world, shape=[B, 3]
+        reach = radius / np.where(lengths > 0.0, lengths, 1.0)
+        offsets = np.concatenate([reach[:, :, None] * np.eye(3), -reach[:, :, None] * np.eye(3)], axis=1)
+        around = np.repeat(np.arange(animation.n_joints), 6)
+        return bones.joined(cls.on_joints(around, offsets.reshape(-1, 3)))
+
+    @property
+    def n_markers(self) -> int:
+        """Number of markers, P."""
+        return len(self.joints)
+
+    @property
+    def owners(self) -> np.ndarray:
+        """Joint that each marker moves with most, shape=[P]."""
+        return np.take_along_axis(self.joints, self.weights.argmax(axis=-1)[:, None], axis=-1)[:, 0]
+
+    def chosen(self, markers: np.ndarray) -> Markers:
+        """Keep some of the markers, by index or mask."""
+        return Markers(self.joints[markers], self.offsets[markers], self.weights[markers])
+
+    def joined(self, other: Markers) -> Markers:
+        """Put the markers of two sets into one."""
+        width = max(self.joints.shape[1], other.joints.shape[1])
+        parts = [each._widened(width) for each in (self, other)]
+        return Markers(*(np.concatenate([getattr(part, name) for part in parts]) for name in vars(self)))
+
+    def _widened(self, width: int) -> Markers:
+        room = ((0, 0), (0, width - self.joints.shape[1]))
+        return Markers(np.pad(self.joints, room), np.pad(self.offsets, (*room, (0, 0))), np.pad(self.weights, room))
+
+    def places(self, matrices: Array) -> Array:
+        """Place the markers in the world by `joint_matrices`, shape=[F, B, 3, 4]: shape=[F, P, 3], metres."""
+        places = np.empty((len(matrices), self.n_markers, 3))
+        kernel.place_markers(matrices, self.joints, self.offsets, self.weights, places)
+        return places
+
+
+def world_errors(animation: Animation, reference: Animation, markers: Markers | None = None) -> Array:
+    """Measure how far markers are from where they should be in the world.
+
+    Parameters
+    ----------
+    animation, reference : Animation
+        Same joints and times. Where the skeleton is in the world, `reference` says.
+    markers : Markers
+        Optional, default: every joint, and the end of its bone.
+
+    Returns
+    -------
+    distances : array-like, shape=[F, B]
+        Metres: the largest among the markers that move most with each joint; 0 for a joint without markers.
+    """
+    markers = markers or Markers.of_bones(reference.skeleton)
+    distances = np.zeros((reference.n_frames, reference.n_joints))
+    kernel.largest_distances(
+        joint_matrices(replace(animation, world=reference.world)),
+        joint_matrices(reference),
+        markers.owners,
+        markers.joints,
+        markers.offsets,
+        markers.weights,
+        distances,
+    )
+    return distances
