@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from geomstats_anim._version import __version__
-from usd_tools.console.text import did_you_mean
+from usd_tools.console.text import did_you_mean, printable
 
 VERBS = {
-    "inspect": "show the skeletal animation of a file, and what to beware of",
+    "inspect": "show the skeletal animation of a file, and warn of what may go wrong",
     "from_bvh": "convert motion capture in BVH to UsdSkel",
     "upsample": "add samples, along geodesics of a metric",
     "downsample": "keep few samples, and the metric that rebuilds the others",
@@ -32,7 +32,10 @@ def main(argv: Sequence[str] | None = None, prog: str = "geomstats-anim") -> int
         return import_module(f"usd_tools.{verb}").main(arguments[1:], f"{prog} {verb}")
     else:
         what = "option" if verb.startswith("-") else "verb"
-        print(f"error: unknown {what} {verb}{did_you_mean(verb, VERBS)}\nusage: {prog} VERB ...", file=sys.stderr)
+        sentence = (
+            f"error: unknown {what} {printable(verb)}{did_you_mean(verb, (*VERBS, '--help', '--version')) or '.'}"
+        )
+        print(f"{sentence}\nusage: {prog} VERB ...", file=sys.stderr)
         return 2
     return 0
 

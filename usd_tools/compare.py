@@ -88,17 +88,17 @@ def parser(prog: str = PROG) -> ArgumentParser:
         prog=prog,
         description="Rebuild skeletal animation from a share of its samples by every interpolation scheme, score each "
         "against the original, and write a report: the experiment of Kushner, Modi and Miolane, for any clip.",
-        epilog="FOLDER gets results.json and results.csv, figures, every rebuilt clip as a USD layer over its source, "
-        "and index.html, a page with all of it and a player that needs no network. Metrics are learned for each clip "
-        "and rate, and scored on the very frames they were learned from (in-sample); beside them stand scores out of "
-        "sample: learned from the first half, scored on the second.",
+        epilog="FOLDER receives results.json and results.csv, figures, every rebuilt clip as a USD layer over its "
+        "source, and index.html, an offline page with all results and a player. Metrics are learned per clip and "
+        "rate and scored on the same frames (in-sample); out-of-sample scores are learned from the first half "
+        "and scored on the second.",
     )
     parse.add_argument(
         "inputs",
         metavar="IN",
         type=Path,
         nargs="+",
-        help="USD file, or folder, searched with all folders in it",
+        help="USD file, or a folder to search with its subfolders",
     )
     parse.add_argument(
         "-o",
@@ -106,7 +106,7 @@ def parser(prog: str = PROG) -> ArgumentParser:
         metavar="FOLDER",
         type=Path,
         required=True,
-        help="folder to make, or to replace if an earlier comparison made all that is in it",
+        help="output folder; replaced only if an earlier run of this command created it",
     )
     parse.add_argument(
         "--rates",
@@ -114,7 +114,7 @@ def parser(prog: str = PROG) -> ArgumentParser:
         type=share,
         nargs="+",
         default=list(RATES),
-        help=f"shares of the samples kept as uniform keys; default: {' '.join(f'{rate:g}' for rate in RATES)}",
+        help=f"shares of the samples to keep as uniform keys; default: {' '.join(f'{rate:g}' for rate in RATES)}",
     )
     parse.add_argument(
         "--schemes",
@@ -122,13 +122,14 @@ def parser(prog: str = PROG) -> ArgumentParser:
         type=SchemeChoice.parse,
         nargs="+",
         default=list(SCHEME_NAMES),
-        help=f"of {', '.join(SCHEME_NAMES)}; one that learns may carry its family, as in geodesic:spd; default: all",
+        help=f"of {', '.join(SCHEME_NAMES)}; a learned scheme may name its family, as in geodesic:spd; default: all",
     )
     parse.add_argument(
         "--kind",
         choices=KINDS,
         default="hyb",
-        help="what learning minimises: places of bone ends (loc), angles of joints (rot), or half of each (default)",
+        help="quality to minimise: positions of bone ends (loc), joint angles (rot), or half of each (hyb, the "
+        "default)",
     )
     add_workers(parse)
     add_prim(parse)

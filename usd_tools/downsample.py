@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from geomstats_anim.names import CRITERIA, DEFAULT_SCHEME, FAMILIES, SCHEME_NAMES, SELECTIONS, WITH_METRIC
+from geomstats_anim.names import CRITERIA, DEFAULT_SCHEME, FAMILIES, SCHEME_NAMES, SELECTIONS
 from usd_tools.console.arguments import add_output, add_prim, positive_number, share, time_codes, whole_number
 from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
@@ -143,9 +143,10 @@ def parser(prog: str = PROG) -> ArgumentParser:
     """Make the parser of the command line."""
     parse = ArgumentParser(
         prog=prog,
-        description="Keep few samples of skeletal animation, bit for bit, and with them the metric and the tensions "
-        "that rebuild the others: usd_tools.upsample OUT -o BACK --times source. Everything else on the stage stays. "
-        "OUT does not need the samples of IN, and plays in any viewer, as slerp between those that are left.",
+        description="Keep few samples of skeletal animation, bit for bit, and store the metric and tensions that "
+        "rebuild the others: usd_tools.upsample OUT -o BACK --times source. Everything else on the stage is "
+        "unchanged. OUT does not need the samples of IN, and plays in any viewer, which shows slerp between the "
+        "kept samples.",
     )
     parse.add_argument("input", metavar="IN", type=Path, help="USD file")
     parse.add_argument("-o", "--out", metavar="OUT", type=Path, help="USD file to write")
@@ -153,9 +154,12 @@ def parser(prog: str = PROG) -> ArgumentParser:
     _add_metric(parse)
     add_prim(parse)
     add_output(parse)
-    parse.add_argument("--report", metavar="FILE", type=Path, help="write all errors, joint by joint, as JSON")
+    parse.add_argument("--report", metavar="FILE", type=Path, help="write all errors, also per joint, as JSON")
     parse.add_argument(
-        "--picture", metavar="FILE", type=Path, help="draw the samples kept over the motion's speed: .png, .svg or .pdf"
+        "--picture",
+        metavar="FILE",
+        type=Path,
+        help="draw the kept samples over the speed of the motion: .png, .svg or .pdf",
     )
     parse.add_argument("-v", "--verbose", action="store_true", help="print the errors of every joint")
     return parse
@@ -164,23 +168,26 @@ def parser(prog: str = PROG) -> ArgumentParser:
 def _add_choice(parse: ArgumentParser) -> None:
     how_many = parse.add_mutually_exclusive_group(required=True)
     how_many.add_argument("--rate", metavar="S", type=share, help="share of the samples to keep, above 0 and below 1")
-    how_many.add_argument("--keys", metavar="K", type=whole_number, help="number of samples to keep, of each animation")
+    how_many.add_argument("--keys", metavar="K", type=whole_number, help="number of samples to keep in each animation")
     how_many.add_argument(
         "--tolerance",
         metavar="CM",
         type=positive_number,
-        help="keep the fewest with which no bone end is ever further than this from its place, in centimetres; turning "
-        "about a bone's own axis moves no bone end, so such turns may go",
+        help="keep the fewest samples with which every bone end stays within this distance, in centimetres; twists "
+        "about a bone's own axis move no bone end and may be lost",
     )
     parse.add_argument(
-        "--select", choices=SELECTIONS, default=SELECTIONS[0], help="which samples: the best (default), or every n-th"
+        "--select",
+        choices=SELECTIONS,
+        default=SELECTIONS[0],
+        help="which samples to keep: the best (optimal, the default), or equally spaced ones (uniform)",
     )
     parse.add_argument(
         "--keep",
         metavar="T",
         type=time_codes,
-        help="samples that must stay: time codes with commas between them, or a text file of them; say '--keep=-7,-3' "
-        "where the first is below zero",
+        help="samples to keep in any case: comma-separated time codes, or a text file of them; write '--keep=-7,-3' "
+        "if the first is negative",
     )
 
 
@@ -189,19 +196,18 @@ def _add_metric(parse: ArgumentParser) -> None:
         "--scheme",
         choices=SCHEME_NAMES,
         default=DEFAULT_SCHEME,
-        help="what rebuilds the rest; default: %(default)s",
+        help="interpolation that rebuilds the rest; default: %(default)s",
     )
     parse.add_argument(
         "--family",
         choices=FAMILIES,
-        help=f"of the metric of {' or '.join(WITH_METRIC)}, see usd_tools.learn; default: spd, or diagonal for "
-        "--tolerance",
+        help="family of the metric, see usd_tools.learn; default: spd, or diagonal with --tolerance",
     )
     parse.add_argument(
         "--kind",
         choices=CRITERIA,
-        help="what --rate and --keys make least: distances of bone ends (loc), angles of joints (rot), half of each "
-        "(hyb, the default), or the largest distance (max), which is what --tolerance is about",
+        help="error that --rate and --keys minimise: distances of bone ends (loc), joint angles (rot), half of each "
+        "(hyb, the default), or the largest distance (max), which --tolerance always uses",
     )
 
 

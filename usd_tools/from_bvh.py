@@ -17,7 +17,7 @@ from usd_tools.console.arguments import add_format, positive_number
 from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.progress import ProgressBar, ProgressCallback
-from usd_tools.console.text import counted
+from usd_tools.console.text import counted, say
 from usd_tools.skel.frame_rates import typed_rate
 
 if TYPE_CHECKING:
@@ -168,11 +168,11 @@ def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
         options = FromBvhOptions.from_args(args)
         with ProgressBar() as bar:
             result = from_bvh(args.input, args.out, options, progress=bar, warn=print_warning)
-        from usd_tools.skel import output
+        from usd_tools.skel.rate_advice import written_at
 
         joints, frames = counted(result.joints, "joint"), counted(result.frames, "frame")
-        print(f"{args.input}: {joints}, {result.height_metres:.3g} m high at rest; {frames}.")
-        print(output.written(args.out, result.rate))
+        say(f"{args.input}: {joints}, {result.height_metres:.3g} m high at rest; {frames}.")
+        say(written_at(args.out, result.rate))
         return 0
 
     return run(command, parse.error)

@@ -1,4 +1,4 @@
-"""Tell what skeletal animation a USD file has, and what to beware of.
+"""Show the skeletal animation of a USD file, and warn of what may go wrong.
 
     python -m usd_tools.inspect walk.usda
 
@@ -22,7 +22,7 @@ from pxr import Usd, UsdGeom, UsdSkel
 from usd_tools.console.errors import Messages, ToolError, print_warning, run
 from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.tables import show
-from usd_tools.console.text import counted
+from usd_tools.console.text import counted, say, short_names
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
 from usd_tools.files.stages import open_stage
 from usd_tools.metrics import explain as metric_meaning
@@ -48,10 +48,10 @@ def parser(prog: str = PROG) -> ArgumentParser:
     """Make the parser of the command line."""
     parse = ArgumentParser(
         prog=prog,
-        description="Tell what skeletal animation a USD file has, and what to beware of.",
+        description="Show the skeletal animation of a USD file, and warn of what may go wrong.",
     )
     parse.add_argument("input", metavar="IN", type=Path, help="USD file")
-    parse.add_argument("--json", action="store_true", help="print plain values instead of tables")
+    parse.add_argument("--json", action="store_true", help="print JSON instead of tables")
     return parse
 
 
@@ -103,7 +103,7 @@ def describe(stage: Usd.Stage, path: Path, messages: Messages) -> dict[str, Any]
     sources = find_animations(stage)
     return {
         "file": path.name,
-        "layers": [layer.GetDisplayName() for layer in stage.GetUsedLayers() if not layer.anonymous],
+        "layers": _names_of_layers(stage),
         "default_prim": root.defaultPrim or None,
         "up_axis": str(UsdGeom.GetStageUpAxis(stage)),
         "meters_per_unit": UsdGeom.GetStageMetersPerUnit(stage),
@@ -120,12 +120,19 @@ def describe(stage: Usd.Stage, path: Path, messages: Messages) -> dict[str, Any]
     }
 
 
+def _names_of_layers(stage: Usd.Stage) -> list[str]:
+    """Name the layers of a stage: its root, then the others by name, for OpenUSD lists them in any order."""
+    others = [layer for layer in stage.GetUsedLayers() if layer != stage.GetRootLayer() and not layer.anonymous]
+    root = [] if stage.GetRootLayer().anonymous else [stage.GetRootLayer().GetDisplayName()]
+    return root + sorted(layer.GetDisplayName() for layer in others)
+
+
 def _describe_skeleton(prim: Usd.Prim, sources: list[AnimationSource], messages: Messages) -> dict[str, Any]:
     driven_by = next((source.path for source in sources if prim in source.skeletons), None)
     binding = prim.GetRelationship("skel:animationSource")
     if driven_by is None and binding and binding.GetTargets():
         reason = (
-            "its target is no animation on this stage"
+            "its target is not an animation on this stage"
             if prim.HasAPI(UsdSkel.BindingAPI)
             else "SkelBindingAPI is not applied, so USD ignores it"
         )
@@ -162,7 +169,8 @@ def _describe_animation(source: AnimationSource, messages: Messages) -> dict[str
     degrees = rotation_steps(clip)
     largest, wide = largest_step(clip, degrees), wide_steps(clip, degrees)
     for step in wide:
-        messages.warn(f"{clip.path}: {step}; beyond 180 degrees a file cannot tell which way round it went.")
+        turn = step.in_words(short_names(clip.joints))
+        messages.warn(f"{clip.path}: {turn}; a file cannot store which way a turn beyond 180 degrees went.")
     rotations = clip.channels.get("rotations")
     return {
         **described,
@@ -256,7 +264,7 @@ def _print_tables(described: dict[str, Any]) -> None:
         if metric is not None and metric["error"] is None:
             _print_metric(animation["prim"], metric)
     if not described["animations"]:
-        print("There is no skeletal animation.")
+        say("No skeletal animation.")
 
 
 def _print_metric(prim: str, metric: dict[str, Any]) -> None:
@@ -264,9 +272,9 @@ def _print_metric(prim: str, metric: dict[str, Any]) -> None:
     meanings = [JointMeaning(**{name: one[name] for name in fields}) for one in metric["by_joint"]]
     rows = metric_meaning.table_rows(meanings)
     show(f"What the metric of {prim} means", rows, metric_meaning.HEADER)
-    print(metric_meaning.EXPLANATION)
+    say(metric_meaning.EXPLANATION)
     for sentence in describe_scores(metric["provenance"]):
-        print(sentence)
+        say(sentence)
 
 
 def _stage_rows(described: dict[str, Any]) -> list[tuple[str, str]]:
@@ -277,8 +285,8 @@ def _stage_rows(described: dict[str, Any]) -> list[tuple[str, str]]:
         ("default prim", described["default_prim"] or "none"),
         ("up axis", described["up_axis"]),
         ("metres per unit", f"{described['meters_per_unit']:g}"),
-        ("time codes a second", f"{described['time_codes_per_second']:g}"),
-        ("frames a second", "not authored" if frames is None else f"{frames:g}"),
+        ("time codes per second", f"{described['time_codes_per_second']:g}"),
+        ("frames per second", "not authored" if frames is None else f"{frames:g}"),
         ("range of the stage", "not authored" if None in (start, end) else f"{start:g} to {end:g}"),
     ]
 
@@ -311,11 +319,11 @@ def _animation_rows(animation: dict[str, Any]) -> list[tuple[str, str]]:
         rows += [
             ("time codes", f"{first:g} to {last:g}"),
             ("seconds", f"{start:g} to {end:g}, {end - start:g} long"),
-            ("rate", f"{animation['samples_per_second']:g} samples a second, {even} spaced{together}"),
+            ("rate", f"{animation['samples_per_second']:g} samples per second, {even} spaced{together}"),
         ]
     n_source = animation["samples_of_source"] or 0
     if any(1 < channel["samples"] < n_source for channel in animation["channels"].values()):
-        rows.append(("source had", f"{n_source} samples; usd_tools.upsample --times source brings them back"))
+        rows.append(("source had", f"{n_source} samples; usd_tools.upsample --times source restores them"))
     if animation["stepped_pairs"]:
         rows.append(("stepped pairs", str(animation["stepped_pairs"])))
     step = animation["largest_step"]

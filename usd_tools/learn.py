@@ -140,28 +140,28 @@ def parser(prog: str = PROG) -> ArgumentParser:
     """Make the parser of the command line."""
     parse = ArgumentParser(
         prog=prog,
-        description="Learn the metric whose geodesics rebuild skeletal animation best from few of its samples, and say "
-        "what it is worth beside slerp, on the samples it was learned from and on others.",
-        epilog="OUT decides what is made. A USD file: a layer over the one IN, with a metric on each animation, "
-        "learned from that animation alone; usd_tools.upsample finds it there. A .json file: one metric for one rig, "
-        "learned from all animations of all IN together; give it to usd_tools.upsample as --metric OUT.",
+        description="Learn the metric whose geodesics rebuild skeletal animation best from few of its samples, and "
+        "score it against slerp on the frames it was learned from and on unseen ones.",
+        epilog="If OUT is a USD file, it is a layer over the one IN, with a metric on each animation, learned from "
+        "that animation alone; usd_tools.upsample uses it. If OUT is a .json file, it holds one metric for one "
+        "rig, learned from all animations of all IN together; pass it to usd_tools.upsample as --metric OUT.",
     )
     parse.add_argument(
         "inputs",
         metavar="IN",
         type=Path,
         nargs="+",
-        help="USD file, or folder, searched with all folders in it",
+        help="USD file, or a folder to search with its subfolders",
     )
     parse.add_argument("-o", "--out", metavar="OUT", type=Path, help="USD file or .json file to write")
     _add_metric(parse)
     add_prim(parse)
     parse.add_argument(
-        "--skip-mismatched", action="store_true", help="go on without animations of another rig than the first"
+        "--skip-mismatched", action="store_true", help="skip animations whose rig differs from the first"
     )
     add_output(parse)
-    parse.add_argument("--report", metavar="FILE", type=Path, help="write all scores, joint by joint too, as JSON")
-    parse.add_argument("-v", "--verbose", action="store_true", help="say what the metric means for each joint")
+    parse.add_argument("--report", metavar="FILE", type=Path, help="write all scores, also per joint, as JSON")
+    parse.add_argument("-v", "--verbose", action="store_true", help="print what the metric means for each joint")
     _add_tune(parse)
     return parse
 
@@ -172,49 +172,55 @@ def _add_metric(parse: ArgumentParser) -> None:
         metavar="S",
         type=share,
         default=PAPERS_RATE,
-        help="share of the samples kept as keys, from which the others are rebuilt; default: %(default)s, the papers'",
+        help="share of the samples to keep as keys; the others are rebuilt from them; default: %(default)s, as in "
+        "the papers",
     )
     parse.add_argument(
         "--purpose",
         choices=PURPOSES,
         default=PURPOSES[0],
-        help="reconstruct: fit these samples as well as can be (default); predict: only as far as cross-validation "
-        "says that it carries over to frames that nobody has seen",
+        help="reconstruct: fit these samples as closely as possible (default); predict: only as far as "
+        "cross-validation shows a gain on unseen frames",
     )
     parse.add_argument(
         "--search",
         choices=SEARCHES,
         default=SEARCHES[0],
-        help="gradient: about a second (default); tpe: HyperOpt joint by joint; tpe-joint: the papers', on Ray Tune",
+        help="gradient: about a second (default); tpe: HyperOpt, joint by joint; tpe-joint: the search of the "
+        "papers, on Ray Tune",
     )
     parse.add_argument(
-        "--family", choices=FAMILIES, default=FAMILIES[0], help="axes of the joints (default), or tilted ones too: spd"
+        "--family",
+        choices=FAMILIES,
+        default=FAMILIES[0],
+        help="diagonal: along the joints' own axes (default); spd: tilted axes too",
     )
     parse.add_argument(
         "--invariance",
         choices=INVARIANCE_CHOICES,
         default="joint",
-        help="side: left, right, the better one for all joints (clip), or for each joint (default)",
+        help="left, right, the better side for all joints (clip), or for each joint (joint, the default)",
     )
-    parse.add_argument(
-        "--scheme", choices=WITH_METRIC, default=WITH_METRIC[0], help="interpolation that the metric is for"
-    )
+    parse.add_argument("--scheme", choices=WITH_METRIC, default=WITH_METRIC[0], help="interpolation to learn for")
     parse.add_argument(
         "--kind",
         choices=KINDS,
         default="hyb",
-        help="what counts: places of bone ends (loc), angles of joints (rot), or half of each (default)",
+        help="quality to minimise: positions of bone ends (loc), joint angles (rot), or half of each (hyb, the "
+        "default)",
     )
-    parse.add_argument("--weights", choices=("depth",), help="weigh joints by their depth, as the papers do")
-    parse.add_argument("--seed", metavar="N", type=seed, default=0, help="of the TPE searches; default: 0")
+    parse.add_argument("--weights", choices=("depth",), help="weight joints by their depth, as in the papers")
+    parse.add_argument("--seed", metavar="N", type=seed, default=0, help="seed of the TPE searches; default: 0")
 
 
 def _add_tune(parse: ArgumentParser) -> None:
-    tune = parse.add_argument_group("TPE searches and Ray", "They need: pip install 'geomstats-anim[tune]'")
-    tune.add_argument("--trials", metavar="N", type=whole_number, help="most evaluations; for tpe, of each joint")
+    tune = parse.add_argument_group("TPE searches and Ray", "These need: pip install 'geomstats-anim[tune]'")
+    tune.add_argument("--trials", metavar="N", type=whole_number, help="number of evaluations; for tpe, per joint")
     where = tune.add_mutually_exclusive_group()
-    where.add_argument("--folder", metavar="FOLDER", type=Path, help="keep the results of tpe-joint, for TensorBoard")
-    where.add_argument("--resume", metavar="FOLDER", type=Path, help="go on with a tpe-joint search that was stopped")
+    where.add_argument(
+        "--folder", metavar="FOLDER", type=Path, help="keep the results of tpe-joint here, for TensorBoard"
+    )
+    where.add_argument("--resume", metavar="FOLDER", type=Path, help="continue a tpe-joint search that was interrupted")
     add_workers(tune)
     tune.add_argument("--wandb", metavar="PROJECT", help="log tpe-joint to Weights & Biases (the extra wandb)")
 

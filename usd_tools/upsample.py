@@ -147,8 +147,8 @@ def parser(prog: str = PROG) -> ArgumentParser:
     parse = ArgumentParser(
         prog=prog,
         description="Add samples to skeletal animation, along geodesics of an invariant metric. Every source sample "
-        "stays as it is, bit for bit. The output is a layer over the source, which it needs; with --flatten it needs "
-        "only textures, which stay where they are; a name that ends in .usdz makes a package of all of it.",
+        "is kept bit for bit. The output is a layer over the source and references it; --flatten copies "
+        "everything but textures into the output; a name that ends in .usdz packs all files.",
     )
     parse.add_argument("input", metavar="IN", type=Path, help="USD file")
     parse.add_argument("-o", "--out", metavar="OUT", type=Path, help="USD file to write; .usdz packs the source too")
@@ -156,22 +156,23 @@ def parser(prog: str = PROG) -> ArgumentParser:
     _add_metric(parse)
     add_prim(parse)
     add_output(parse)
-    parse.add_argument("--dry-run", action="store_true", help="do all but write OUT")
-    parse.add_argument("--report", metavar="FILE", type=Path, help="write what was done as JSON")
-    parse.add_argument("-v", "--verbose", action="store_true", help="say more, and warn of doubtful steps")
+    parse.add_argument("--dry-run", action="store_true", help="compute, but write no OUT")
+    parse.add_argument("--report", metavar="FILE", type=Path, help="write a report as JSON")
+    parse.add_argument("-v", "--verbose", action="store_true", help="print details, and warn of every doubtful step")
     return parse
 
 
 def _add_times(parse: argparse.ArgumentParser) -> None:
     where = parse.add_mutually_exclusive_group(required=True)
-    where.add_argument("--factor", metavar="N", type=whole_number, help="cut every gap between samples into N")
-    where.add_argument("--fps", metavar="F", type=typed_rate, help="add samples at F a second")
+    where.add_argument("--factor", metavar="N", type=whole_number, help="divide every gap between samples into N")
+    where.add_argument("--fps", metavar="F", type=typed_rate, help="add samples at F per second")
     where.add_argument(
         "--times",
         metavar="T",
         type=time_codes,
-        help="add samples at these time codes: numbers with commas between them, a text file of numbers, or the word "
-        "source: where usd_tools.downsample removed them; where the first number is below zero, say '--times=-7.5,-3'",
+        help="add samples at these time codes: comma-separated numbers, a text file of numbers, or the word source, "
+        "which restores the samples that usd_tools.downsample removed; write '--times=-7.5,-3' if the first "
+        "number is negative",
     )
     cuts = parse.add_mutually_exclusive_group()
     cuts.add_argument(
@@ -185,19 +186,22 @@ def _add_times(parse: argparse.ArgumentParser) -> None:
     parse.add_argument(
         "--retime",
         action="store_true",
-        help="with --fps: F time codes a second, so that added samples are whole frames; the motion keeps its speed",
+        help="with --fps: set the stage to F time codes per second, so that the new samples are whole frames; the "
+        "motion keeps its speed",
     )
 
 
 def _add_metric(parse: argparse.ArgumentParser) -> None:
     parse.add_argument(
-        "--scheme", choices=SCHEME_NAMES, help=f"default: the one the metric was made for, else {DEFAULT_SCHEME}"
+        "--scheme",
+        choices=SCHEME_NAMES,
+        help=f"interpolation; default: the scheme that the metric was learned for, else {DEFAULT_SCHEME}",
     )
     parse.add_argument(
         "--metric",
         metavar="M",
-        help="stored, identity, a JSON file, or learn: from every other sample, as far as it is sure to predict the "
-        "others better than slerp; default: the stored one where there is one, else the identity",
+        help="stored, identity, a JSON file, or learn: fit on every other sample; kept only where cross-validation "
+        "shows it beats slerp; default: stored if the file stores one, else identity",
     )
     parse.add_argument("--alpha", metavar="A", type=positive_number, help="second principal moment, for all joints")
     parse.add_argument("--beta", metavar="B", type=positive_number, help="third principal moment, for all joints")
@@ -218,7 +222,7 @@ def _add_metric(parse: argparse.ArgumentParser) -> None:
         type=parse_style,
         action="append",
         default=[],
-        help="for joints whose name matches: 'PATTERN:alpha=4,beta=.5,invariance=right,tension=0', also "
+        help="set values for joints whose name matches: 'PATTERN:alpha=4,beta=.5,invariance=right,tension=0', also "
         "translation-tension, and axes=X Y Z: their rotation vector in degrees; repeatable, the last wins",
     )
 

@@ -6,7 +6,7 @@ LETTERS = {"R": "rotations", "T": "translations", "S": "scales", "W": "blendShap
 
 
 NOTHING = "{} has no skeletal animation."
-NO_CHOICE = "{} has no skeletal animation with two samples or more to choose from."
+NO_CHOICE = "{} has no skeletal animation with at least two samples."
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ def only_weights(animations, learn):
 
 
 def still(counts):
-    return "{} has no skeletal animation with two samples or more to go between: " + counts + "."
+    return "{} has no skeletal animation with at least two samples: " + counts + "."
 
 
 def few(prim, count):
@@ -67,16 +67,16 @@ def unbound(skeleton, animation):
 
 
 def wide(prim, joint, degrees, *spans):
-    beyond = "beyond 180 degrees a file cannot tell which way round it went."
+    beyond = "a file cannot store which way a turn beyond 180 degrees went."
     return tuple(f"{prim}: joint {joint} turns {degrees} degrees from time code {span}; {beyond}" for span in spans)
 
 
 NONE_OF_THEM = "{} has no animation to learn from."
-ONE_SEGMENT = "--rate 0.3 keeps 2 of the 5 samples of {name}, which is one segment; say at least 0.6."
+ONE_SEGMENT = "--rate 0.3 keeps 2 of the 5 samples of {name}, which is one segment; use at least 0.6."
 ELEPHANT = {"Elefant/_anim": "R3023 T3023 S", "Elefant_Monochord_Play/_anim": "R3023 T S"}
 LACKS_OF_ELEPHANT = ("Elefant.mp3", "Elefant_Diff.packed.png", "Monochord_diff.png")
-BENDS = ("/Root/Skeleton/Animation", "joint1/joint2", "174.9", "60 to 90", "90 to 120")
-THUMB = "Hips/LowerBack/Spine/Spine1/RightShoulder/RightArm/RightForeArm/RightHand/RThumb"
+BENDS = ("/Root/Skeleton/Animation", "joint2", "174.9", "60 to 90", "90 to 120")
+THUMB = "RThumb"
 NO_BIND_POSE = tuple(
     f"/World/Rig/Skel -- size of '{name}' attr [0] does not match the number of joints in the 'joints' attr [2]."
     for name in ("bindTransforms", "restTransforms")
@@ -144,8 +144,8 @@ TABLE = {
         still("/Anim1 has 0, /Anim2 has 0, /InstancedModelAnimBindings/Anim has 0, /AnimBinding/Instance/Anim has 0"),
         NONE_OF_THEM,
         (
-            "/AnimBinding/BoundToInactiveAnim has skel:animationSource /InactiveAnim, but its target is no animation "
-            "on this stage.",
+            "/AnimBinding/BoundToInactiveAnim has skel:animationSource /InactiveAnim, but its target is not an "
+            "animation on this stage.",
         ),
     ),
     "usd/openusd_imaging_arm.usda": too_short({"/Model/Skel/Anim1": "R2 T S"}, few("/Model/Skel/Anim1", 2)),

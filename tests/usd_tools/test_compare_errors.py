@@ -39,7 +39,7 @@ def test_no_animation_in_any(tmp_path, out, refused):
     for name in ("a", "b"):
         make_rig(tmp_path / f"{name}.usda", codes=range(2))
     sentence = refused(tmp_path / "a.usda", tmp_path / "b.usda", *out)
-    assert sentence == "None of the 2 files can be compared; the warnings say why."
+    assert sentence == "None of the 2 files can be compared; see the warnings."
 
 
 def test_one_bad_file_is_named_and_skipped(tmp_path, clip, out, run):

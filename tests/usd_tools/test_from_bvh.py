@@ -248,8 +248,7 @@ def test_what_is_said(tmp_path, run):
     assert (code, err) == (0, "")
     assert out.replace(f"{tmp_path}/", "").splitlines() == [
         "in.bvh: 5 joints, 0.35 m high at rest; 5 frames.",
-        "out.usda is written: 30 time codes a second. Blender does not take the rate from the file: set the scene to "
-        "30 frames a second there.",
+        "Wrote out.usda (30 time codes per second). Blender ignores this rate; set the scene's frame rate to 30.",
     ]
 
 

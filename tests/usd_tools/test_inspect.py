@@ -64,7 +64,7 @@ def test_table_loses_nothing_when_piped(tmp_path, run):
     code, out, _ = run("inspect", tmp_path / "in.usda")
     assert code == 0
     assert long_name in out and "…" not in out
-    for words in (f"Skeleton {SKELETON}", f"Animation {ANIMATION}", "24 samples a second", "stored metric"):
+    for words in (f"Skeleton {SKELETON}", f"Animation {ANIMATION}", "24 samples per second", "stored metric"):
         assert words in out
 
 
@@ -105,7 +105,7 @@ def test_errors(tmp_path, run):
     assert (code, out, err.count("error: ")) == (1, "", 1)
     Usd.Stage.CreateNew(str(tmp_path / "empty.usda")).Save()
     code, out, _ = run("inspect", tmp_path / "empty.usda")
-    assert (code, "There is no skeletal animation." in out) == (0, True)
+    assert (code, "No skeletal animation." in out) == (0, True)
 
 
 def test_output_that_nobody_reads_to_the_end(tmp_path):
@@ -113,3 +113,14 @@ def test_output_that_nobody_reads_to_the_end(tmp_path):
     command = f"{sys.executable} -m usd_tools.inspect {tmp_path / 'in.usda'} | true"
     done = subprocess.run(command, shell=True, cwd=Path(__file__).resolve().parents[2], capture_output=True, text=True)
     assert done.stderr == ""
+
+
+def test_layers_are_in_order(tmp_path, inspected):
+    """OpenUSD lists the layers of a stage in any order."""
+    names = [f"{letter}.usda" for letter in "hgfedcba"]
+    for name in names:
+        make_rig(tmp_path / name)
+    stage = Usd.Stage.CreateNew(str(tmp_path / "z.usda"))
+    stage.GetRootLayer().subLayerPaths = [f"./{name}" for name in names]
+    stage.Save()
+    assert inspected(tmp_path / "z.usda")["layers"] == ["z.usda", *sorted(names)]

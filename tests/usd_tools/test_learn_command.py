@@ -245,7 +245,7 @@ def test_upsample_learns_from_the_clip_itself(tmp_path, clip, run):
     else:
         gain = 100.0 * (1.0 - ours / min(others))
         word = "better" if gain >= 0.0 else "worse"
-        assert f"the others are predicted, cross-validated, {abs(gain):.1f} % {word} than" in out
+        assert f"cross-validated, it predicts the others {abs(gain):.1f} % {word} than" in out
 
 
 def test_upsample_says_when_there_is_nothing_to_learn(tmp_path, run):
@@ -253,8 +253,8 @@ def test_upsample_says_when_there_is_nothing_to_learn(tmp_path, run):
     code, _, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "o.usda", "--factor", 2, "--metric", "learn")
     assert code == 0
     assert err == (
-        f"warning: {tmp_path}/in.usda: {ANIMATION} has 3 samples, too few to learn from; at least 4 are "
-        "needed; the identity is used.\n"
+        f"warning: {tmp_path}/in.usda: {ANIMATION} has 3 samples, too few to learn from; at least 4 are needed; "
+        "using the identity.\n"
     )
 
 
@@ -351,5 +351,5 @@ def test_the_command_for_a_metric_can_be_pasted(tmp_path, clip, learned):
     there = tmp_path / "out dir" / "hero's.json"
     there.parent.mkdir()
     out = learned(clip, "-o", there)[0]
-    command = out.partition("use it with: ")[2].splitlines()[0]
+    command = out.partition("Use it with:\n")[2].splitlines()[0]
     assert shlex.split(command)[-2:] == ["--metric", str(there)]

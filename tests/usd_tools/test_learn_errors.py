@@ -32,12 +32,12 @@ def out(request, tmp_path):
 
 def test_one_segment(clip, out, refused):
     sentence = refused(clip, *out, "--rate", 0.1)
-    assert sentence == "--rate 0.1 keeps 2 of the 20 samples of in.usda, which is one segment; say at least 0.15."
+    assert sentence == "--rate 0.1 keeps 2 of the 20 samples of in.usda, which is one segment; use at least 0.15."
 
 
 def test_every_sample_a_key(clip, out, refused):
     sentence = refused(clip, *out, "--rate", 0.99)
-    assert sentence == "--rate 0.99 keeps all 20 samples of in.usda; say less, to rebuild some."
+    assert sentence == "--rate 0.99 keeps all 20 samples of in.usda; use a smaller --rate."
 
 
 def test_no_motion(tmp_path, out, refused):
@@ -106,7 +106,7 @@ def test_several_files_make_no_layer(tmp_path, clip, refused):
     for inputs in ([clip, clip], [tmp_path]):
         sentence = refused(*inputs, "-o", tmp_path / "o.usda")
         assert sentence == (
-            "--out o.usda goes over one file; for one metric from several files, name an --out that ends in .json."
+            "--out o.usda extends one file; to learn one metric from several files, use an --out that ends in .json."
         )
 
 
@@ -140,7 +140,7 @@ def test_output_name(tmp_path, clip, refused):
     sentence = refused(clip, "-o", clip)
     assert sentence == "--out in.usda is the input itself; choose another name, or add --in-place."
     sentence = refused(clip, "-o", tmp_path / "out.json", "--flatten")
-    assert sentence == "--flatten is for a USD file, but --out is out.json; leave one of them out."
+    assert sentence == "--flatten needs a USD file, but --out is out.json; leave one of them out."
 
 
 @pytest.mark.parametrize("rate", ["0", "1", "-0.1", "nan", "30%"])
@@ -163,7 +163,7 @@ def test_whole_numbers(clip, out, refused, option):
         (["--wandb", "p"], "--wandb goes with --search tpe-joint."),
         (
             ["--search", "tpe-joint", "--folder", "f", "--purpose", "predict"],
-            "--folder and --resume hold one search, but --purpose predict makes several.",
+            "--folder and --resume hold one search, but --purpose predict runs several.",
         ),
         (["--folder", "f", "--resume", "g"], "--resume: not allowed with argument --folder."),
     ],
@@ -205,9 +205,7 @@ def test_upsample_learns_for_its_scheme_only(tmp_path, clip, refuse):
     sentence = refuse(
         "upsample", clip, "-o", tmp_path / "o.usda", "--factor", 2, "--metric", "learn", "--scheme", "linear"
     )
-    assert (
-        sentence == "--metric learn learns for --scheme geodesic, geodesic-spline, not for linear; choose one of them."
-    )
+    assert sentence == "--metric learn needs --scheme geodesic or geodesic-spline, not linear."
 
 
 def test_no_cluster_for_one_clip(tmp_path, clip, refuse):
@@ -218,4 +216,4 @@ def test_no_cluster_for_one_clip(tmp_path, clip, refuse):
 def test_workers_for_one_clip_are_not_used(tmp_path, clip, run):
     code, _, err = run("learn", clip, "-o", tmp_path / "o.usda", "--cpus", 2)
     assert code == 0
-    assert err == "warning: --cpus spreads several clips over workers; in.usda is one, learned in this process.\n"
+    assert err == "warning: --cpus is for several clips; in.usda is learned in this process.\n"

@@ -55,8 +55,8 @@ def test_version_and_unknown_words(capsys):
     assert capsys.readouterr().out == f"geomstats-anim {__version__}\n"
     for word, sentence in {
         "upsampel": "error: unknown verb upsampel; did you mean upsample?",
-        "xyz": "error: unknown verb xyz",
-        "--versoin": "error: unknown option --versoin",
+        "xyz": "error: unknown verb xyz.",
+        "--versoin": "error: unknown option --versoin; did you mean --version?",
     }.items():
         assert main([word]) == 2
         assert capsys.readouterr().err.splitlines()[0] == sentence

@@ -197,7 +197,7 @@ def test_options_are_checked_wherever_they_come_from(tmp_path):
         (UpsampleOptions, {"factor": 2, "usd_format": "usdz"}, "--usdFormat must be usda or usdc, not 'usdz'"),
         (DownsampleOptions, {}, "name exactly one of --rate, --keys and --tolerance, not none"),
         (DownsampleOptions, {"rate": 1.0}, "--rate must be a number above 0 and below 1, not 1.0"),
-        (DownsampleOptions, {"tolerance": 1, "kind": "rot"}, "--kind rot goes with --rate or --keys"),
+        (DownsampleOptions, {"tolerance": 1, "kind": "rot"}, "--kind rot needs --rate or --keys"),
         (LearnOptions, {"search": "tpe", "folder": "x"}, "--folder goes with --search tpe-joint"),
         (LearnOptions, {"seed": -1}, "--seed must be a whole number of at least 0, not -1"),
     ):
@@ -230,7 +230,7 @@ def test_downsample_verifies_before_it_replaces(tmp_path, monkeypatch):
     monkeypatch.setattr(reduce, "read_clip", damaged)
     for out, options in ((tmp_path / "out.usdc", {}), (None, {"in_place": True})):
         before = {path: path.read_bytes() for path in tmp_path.iterdir()}
-        with pytest.raises(ToolError, match="is rebuilt to .* cm only"):
+        with pytest.raises(ToolError, match="is rebuilt only to within .* cm"):
             downsample(tmp_path / "in.usda", out, DownsampleOptions(tolerance=1.0, **options))
         assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
 

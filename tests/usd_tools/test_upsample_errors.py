@@ -53,7 +53,7 @@ def test_no_skeletal_animation(tmp_path, refused):
 def test_one_sample(tmp_path, refused):
     make_rig(tmp_path / "in.usda", codes=(0,))
     sentence = refused(tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2)
-    assert sentence == f"in.usda has no skeletal animation with two samples or more to go between: {ANIMATION} has 1."
+    assert sentence == f"in.usda has no skeletal animation with at least two samples: {ANIMATION} has 1."
 
 
 def test_no_joints(tmp_path, refused):
@@ -200,12 +200,12 @@ def test_times(tmp_path, clip, refused, times):
 
 def test_times_outside(tmp_path, clip, refused):
     sentence = refused(clip, "-o", tmp_path / "out.usda", "--times", "1,7")
-    assert sentence == f"--times 7 is outside {ANIMATION}, which goes from 0 to 3."
+    assert sentence == f"--times 7 is outside {ANIMATION}, which runs from 0 to 3."
 
 
 def test_too_much(tmp_path, clip, refused):
     sentence = refused(clip, "-o", tmp_path / "out.usda", "--factor", 10**9)
-    assert sentence == f"--factor would make 1.2e+10 rotations of {ANIMATION}; ask for fewer."
+    assert sentence == f"--factor would create 1.2e+10 rotations for {ANIMATION}; ask for fewer."
 
 
 @pytest.mark.parametrize(
@@ -240,8 +240,8 @@ def test_joint_styles(tmp_path, clip, refused):
 def test_styles_beyond_what_geodesics_are_found_for(tmp_path, clip, refused):
     out = ["-o", tmp_path / "out.usda", "--factor", 2]
     for style in (["--alpha", "1e4", "--beta", "1e-4"], ["--joint", "hips:alpha=1e300"]):
-        words = "cannot be styled so: The metric of joint 0 has the condition number 1e+"
-        assert refused(clip, *out, *style).startswith(f"{ANIMATION} {words}")
+        words = "invalid --alpha, --beta or --joint: The metric of joint 0 has the condition number 1e+"
+        assert refused(clip, *out, *style).startswith(f"{ANIMATION}: {words}")
 
 
 def test_metric(tmp_path, clip, refused):
@@ -249,7 +249,7 @@ def test_metric(tmp_path, clip, refused):
     sentence = refused(clip, *out, "--metric", "stored")
     assert sentence == f"{ANIMATION} stores no metric; leave --metric out, or choose the animation with --prim."
     sentence = refused(clip, *out, "--metric", tmp_path / "no.json")
-    assert sentence == "--metric no.json: there is no such file; say stored, identity, learn or a JSON file."
+    assert sentence == "--metric no.json: there is no such file; use stored, identity, learn or a JSON file."
     (tmp_path / "bad.json").write_text("{")
     assert refused(clip, *out, "--metric", tmp_path / "bad.json").startswith("--metric bad.json: This is not JSON: ")
     (tmp_path / "binary.json").write_bytes(b"\xff\xfe\x00")

@@ -39,9 +39,9 @@ def test_a_turn_of_more_than_half_cannot_be_represented(tmp_path, run, inspected
     stage = Usd.Stage.Open(str(tmp_path / "in.usda"))
     viewer = Rotation.from_quat(np.array(stage.GetPrimAtPath(ANIMATION).GetAttribute("rotations").Get(0.5))[0])
     np.testing.assert_allclose(viewer.as_rotvec(degrees=True), middle, atol=1e-3)
-    beyond = "beyond 180 degrees a file cannot tell which way round it went"
+    beyond = "a file cannot store which way a turn beyond 180 degrees went"
     named = f"warning: {ANIMATION}: joint a turns {abs(shown):.1f} degrees from time code 0 to 1; {beyond}"
-    assert (code, err) == (0, f"{named}; the shorter way is taken.\n" if abs(shown) > 120 else "")
+    assert (code, err) == (0, f"{named}, so the shorter way is used.\n" if abs(shown) > 120 else "")
     told = inspected(tmp_path / "in.usda")
     assert told["warnings"] == ([f"{named.removeprefix('warning: ')}."] if abs(shown) > 120 else [])
     assert told["animations"][0]["sign_flips"] == (degrees > 180)
@@ -75,7 +75,7 @@ def test_blocked_animation_is_a_value_block_for_good(tmp_path, run, refuse):
         stage.GetPrimAtPath(ANIMATION).GetAttribute(name).BlockAnimation()
     stage.Save()
     sentence = refuse("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2)
-    assert sentence.endswith(f"two samples or more to go between: {ANIMATION} has 0.")
+    assert sentence.endswith(f"at least two samples: {ANIMATION} has 0.")
 
 
 def test_animation_that_has_no_joint_of_its_skeleton(tmp_path, run):

@@ -56,7 +56,7 @@ def _read(
         found += [(path, clip, take) for clip, take in taken]
         skipped += lost
     if not found:
-        raise ToolError(f"None of the {len(files)} files can be compared; the warnings say why.")
+        raise ToolError(f"None of the {len(files)} files can be compared; see the warnings.")
     return named(found), skipped
 
 

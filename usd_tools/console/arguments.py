@@ -62,7 +62,7 @@ def add_workers(parse: argparse._ActionsContainer) -> None:
         "--cpus",
         metavar="N",
         type=whole_number,
-        help="number of number of workers; more than one starts Ray; default: 1",
+        help="number of workers; more than one starts Ray; default: 1",
     )
 
 

@@ -58,11 +58,9 @@ class DownsampleOptions(OutputOptions):
         if len(given) != 1:
             raise UsageError(f"name exactly one of --rate, --keys and --tolerance, not {' and '.join(given) or 'none'}")
         if self.tolerance is not None and self.kind not in (None, LARGEST):
-            raise UsageError(
-                f"--kind {self.kind} goes with --rate or --keys; --tolerance is about the largest distance"
-            )
+            raise UsageError(f"--kind {self.kind} needs --rate or --keys; --tolerance always uses the largest distance")
         if self.keep is not None and self.select == "uniform":
-            raise UsageError("--keep goes with --select optimal; uniform samples are where they are")
+            raise UsageError("--keep needs --select optimal")
         if self.family is not None and self.scheme not in WITH_METRIC:
             raise UsageError(
                 f"--scheme {self.scheme} has no metric, so it has no family; leave out --family {self.family}"

@@ -116,7 +116,8 @@ def downsample_clip(
     selection = SampleSelection.of(clip)
     if selection.kept_whole:
         messages.warn(
-            f"{clip.path}: {' and '.join(selection.kept_whole)} change and are kept whole, as nothing judges them."
+            f"{clip.path}: {' and '.join(selection.kept_whole)} change and are kept whole, since no error is defined "
+            "for them."
         )
     animations = selection.animations
     allowance = None if options.tolerance is None else 0.01 * options.tolerance
@@ -125,7 +126,7 @@ def downsample_clip(
         try:
             compressed = _compressed(clip, selection, animations, options, allowance and allowance - margin, watch)
         except ValueError as error:
-            raise ToolError(f"{clip.path} cannot be made sparse so: {error}") from error
+            raise ToolError(f"{clip.path} cannot be downsampled with these options: {error}") from error
         sparse = selection.sparse(compressed.keyframes)
         errors = Errors.between(restored(sparse, compressed.metric, clip.codes), clip)
         over = 0.0 if options.tolerance is None else errors.centimetres.max(initial=0.0) - options.tolerance
@@ -155,7 +156,7 @@ def _compressed(
         keep = selection.frames_at(codes)
         lost = codes[~np.isin(codes, clip.codes)]
         if len(lost):
-            raise ValueError(f"--keep {lost[0]:g} is no time code of a sample")
+            raise ValueError(f"--keep {lost[0]:g} is not the time code of a sample")
     return compress(
         animations,
         None if tolerance is not None else _counts(animations, options, keep),
@@ -184,9 +185,9 @@ def _counts(animations: Sequence[Animation], options: DownsampleOptions, keep: l
     if options.keys is not None:
         if not least.sum() <= options.keys <= n_frames.sum():
             raise ValueError(
-                f"--keys is {options.keys}, but {least.sum()} of {n_frames.sum()} samples must stay: the ends of "
-                f"stretches and holds, and those of --keep; say {least.sum()} to {n_frames.sum()}, or "
-                "choose animations with --prim."
+                f"--keys is {options.keys}, but {least.sum()} of {n_frames.sum()} samples must stay (ends of "
+                f"stretches and holds, and --keep); use {least.sum()} to {n_frames.sum()}, or choose animations with "
+                "--prim."
             )
         while counts.sum() != options.keys:  # rounding, and what must stay
             step = 1 if counts.sum() < options.keys else -1
@@ -279,7 +280,7 @@ def verified(
         errors = Errors.between(restored(read_clip(source), metric, codes), each.clip)
         if options.tolerance is not None and errors.centimetres.max(initial=0.0) > options.tolerance:
             raise ToolError(
-                f"{path}: {each.path} is rebuilt to {errors.centimetres.max():g} cm only, for --tolerance "
+                f"{path}: {each.path} is rebuilt only to within {errors.centimetres.max():g} cm, but --tolerance is "
                 f"{options.tolerance:g}; please report this."
             )
         checked.append(replace(each, errors=errors))

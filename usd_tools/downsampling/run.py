@@ -121,7 +121,7 @@ def _downsampled(
     ]
     clips = [each for each in found if each is not None]
     if not clips:
-        raise ToolError(f"{path} has no skeletal animation with two samples or more to choose from.")
+        raise ToolError(f"{path} has no skeletal animation with at least two samples.")
     return clips
 
 

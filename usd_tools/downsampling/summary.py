@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from geomstats_anim import LearnedMetric
 from geomstats_anim.names import WITH_METRIC
 from geomstats_anim.rotations import Array
 from usd_tools.console.tables import show
-from usd_tools.console.text import counted, say, short_names
+from usd_tools.console.text import counted, say, say_command, short_names
 from usd_tools.downsampling.reduce import DownsampledClip
 from usd_tools.downsampling.result import DownsampledAnimation, DownsampleResult
 from usd_tools.downsampling.thinning import Errors
@@ -51,7 +51,7 @@ def _print_animation(animation: DownsampledAnimation, verbose: bool) -> None:
     )
     say(f"  {animation.metric_summary}")
     show(
-        "Errors of all frames",
+        "Errors over all frames",
         [
             ("rebuilt by upsample --times source", *_cells(animation.rebuilt)),
             ("played by a viewer, as slerp", *_cells(animation.played)),
@@ -61,12 +61,14 @@ def _print_animation(animation: DownsampledAnimation, verbose: bool) -> None:
     _print_joints(animation, verbose)
     turned = animation.largest_rotation_error
     if turned["degrees"] > 0.0:
-        say(f"Largest rotation error, rebuilt: {_turned(turned)}.")
+        joint = _short_name(animation, turned["joint"])
+        where = f"{turned['degrees']:.3g} degrees, joint {joint} at time code {turned['time_code']:g}"
+        say(f"Largest rotation error, rebuilt: {where}.")
     uniform = animation.uniform_slerp
     if uniform["samples"]:
         say(
-            f"Slerp between equally spaced samples needs {uniform['samples']} of them to be as good "
-            f"({uniform['criterion']}): {uniform['bytes_usdc']} bytes as usdc, {uniform['bytes_numpy']} as NumPy."
+            f"For the same error ({uniform['criterion']}), slerp needs {uniform['samples']} equally spaced samples: "
+            f"{uniform['bytes_usdc']} bytes as usdc, {uniform['bytes_numpy']} as NumPy."
         )
 
 
@@ -75,9 +77,9 @@ def _print_joints(animation: DownsampledAnimation, verbose: bool) -> None:
     shown = worst if verbose else [joint for joint in worst[:_WORST] if joint["centimetres"]["largest"] > 0.0]
     if shown:
         names = short_names([joint["joint"] for joint in animation.joints])
-        title = f"The {len(shown)} joints that are worst" if len(shown) > 1 else "The joint that is worst"
+        title = f"Worst {len(shown)} joints" if len(shown) > 1 else "Worst joint"
         show(
-            f"{'Errors of the joints' if verbose else title}, rebuilt",
+            f"{'All joints' if verbose else title}, rebuilt",
             [(names[joint["joint"]], *_cells(joint)) for joint in shown],
             ("joint", *_COLUMNS),
         )
@@ -88,15 +90,16 @@ def twist_sentence(animation: DownsampledAnimation, tolerance: float) -> str | N
     turned = animation.largest_rotation_error
     if turned["degrees"] <= _FAR_OFF_DEGREES:
         return None
+    joint, code = _short_name(animation, turned["joint"]), turned["time_code"]
     return (
-        f"{animation.prim}: every bone end is within {tolerance:g} cm, but a rotation is off by {_turned(turned)}, "
-        "for turning about a bone's own axis, or of a short bone, moves its end little; name samples to keep "
-        "with --keep, or choose by angles: --rate or --keys with --kind rot."
+        f"{animation.prim}: bone ends are within {tolerance:g} cm, but joint {joint} is off by {turned['degrees']:.3g} "
+        f"degrees at time code {code:g}, since twists barely move bone ends; add --keep {code:g}, or use --rate or "
+        "--keys with --kind rot."
     )
 
 
-def _turned(turned: Mapping[str, Any]) -> str:
-    return f"{turned['degrees']:.3g} degrees, joint {turned['joint']} at time code {turned['time_code']:g}"
+def _short_name(animation: DownsampledAnimation, joint: str) -> str:
+    return short_names([each["joint"] for each in animation.joints])[joint]
 
 
 def _cells(errors: dict[str, Any]) -> list[str]:
@@ -107,13 +110,11 @@ def _cells(errors: dict[str, Any]) -> list[str]:
 def _print_file(result: DownsampleResult, source: Path) -> None:
     out, before, after = result.path, result.file_bytes_before, result.file_bytes_after
     assert out is not None and before is not None and after is not None
-    say(
-        f"{out} is written: {before} -> {after} bytes. {result.dependencies}; get all samples "
-        f"back with: python -m usd_tools.upsample {shlex.quote(str(out))} -o BACK.usda --times source"
-    )
+    say(f"Wrote {out} ({before} -> {after} bytes). {result.dependencies}. Restore all samples with:")
+    say_command(f"python -m usd_tools.upsample {shlex.quote(str(out))} -o BACK.usda --times source")
     if out.suffix == ".usda" and after > before:
-        older = "it was" if same_file(out, [source]) else source.name
-        say(f"{out} is larger than {older}, as text; an --out that ends in .usdc makes it binary.")
+        older = "before" if same_file(out, [source]) else source.name
+        say(f"{out} is larger than {older} because it is text; use an --out that ends in .usdc.")
 
 
 def describe(downsampled: DownsampledClip) -> DownsampledAnimation:

@@ -35,8 +35,8 @@ def temporary_folder() -> Iterator[Path]:
             yield Path(folder)
     except OSError as error:
         raise ToolError(
-            f"{tempfile.gettempdir()} has no room for a temporary file: {error.strerror}; make room there, or name "
-            "another folder in the environment variable TMPDIR."
+            f"{tempfile.gettempdir()} has no space for a temporary file: {error.strerror}; free some, or set TMPDIR "
+            "to another folder."
         ) from error
 
 

@@ -93,7 +93,7 @@ def describe_dependencies(path: Path, messages: Messages) -> str:
     names = [layer.realPath for layer in layers] + assets + missing
     files = {Path(Ar.SplitPackageRelativePathOuter(name)[0]).resolve() for name in names}  # of packages, the packages
     others = sorted({file.name for file in files if file != path.resolve()})
-    return f"It needs {', '.join(others)} too" if others else "It stands alone"
+    return f"It also needs {', '.join(others)}" if others else "It needs no other file"
 
 
 def _innermost(names: Iterable[str]) -> list[str]:

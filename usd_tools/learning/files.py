@@ -138,7 +138,7 @@ def collect_training_clips(
     prims : sequence of str
         Chooses animations in every file.
     skip_mismatched : bool
-        Whether to go on without animations of another rig than the first's.
+        Whether to skip animations whose rig differs from the first's.
     messages : Messages
         Told of what is skipped.
     advance : callable

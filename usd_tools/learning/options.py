@@ -47,7 +47,7 @@ class LearnOptions(OutputOptions):
         Of the TPE searches.
         Optional, default: 0.
     skip_mismatched : bool
-        Whether to go on without animations of another rig than the first.
+        Whether to skip animations whose rig differs from the first.
     trials : int
         Most evaluations of a TPE search; for "tpe", of each joint.
     folder, resume : Path
@@ -85,6 +85,6 @@ class LearnOptions(OutputOptions):
             if getattr(self, word) is not None and self.search not in searches:
                 raise UsageError(f"--{word} goes with --search {' or '.join(searches)}")
         if self.folder is not None and self.resume is not None:
-            raise UsageError("--folder begins a search and --resume goes on with one; leave one of them out")
+            raise UsageError("--folder starts a search and --resume continues one; leave one of them out")
         if (self.folder or self.resume) and self.purpose == "predict":
-            raise UsageError("--folder and --resume hold one search, but --purpose predict makes several")
+            raise UsageError("--folder and --resume hold one search, but --purpose predict runs several")

@@ -68,7 +68,7 @@ def _learn_json(
     for_usd = {"--in-place": options.in_place, "--flatten": options.flatten, "--usdFormat": options.usd_format}
     for option, value in for_usd.items():
         if value:
-            raise ToolError(f"{option} is for a USD file, but --out is {out}; leave one of them out.")
+            raise ToolError(f"{option} needs a USD file, but --out is {out}; leave one of them out.")
     check_report(options.report, out)
     with usd_warnings(messages):
         files = find_files(sources, messages)
@@ -92,8 +92,8 @@ def _learn_usd(
 ) -> LearnResult:
     """Learn a metric for each animation of one file."""
     if len(sources) > 1 or sources[0].is_dir():
-        what = "--in-place changes" if out is None else f"--out {out} goes over"
-        raise ToolError(f"{what} one file; for one metric from several files, name an --out that ends in .json.")
+        what = "--in-place changes" if out is None else f"--out {out} extends"
+        raise ToolError(f"{what} one file; to learn one metric from several files, use an --out that ends in .json.")
     path = sources[0]
     if out is not None and out.suffix not in EXTENSIONS:
         raise ToolError(f"--out {out}: the name must end in {', '.join(EXTENSIONS)}, .json.")
@@ -126,7 +126,7 @@ def _learn(
     alone = sum(len(take.stretches) for take in takes) == 1
     if alone and options.search == "gradient" and (options.address or (options.cpus or 1) > 1):
         option = "--address" if options.address else "--cpus"
-        messages.warn(f"{option} spreads several clips over workers; {takes[0]} is one, learned in this process.")
+        messages.warn(f"{option} is for several clips; {takes[0]} is learned in this process.")
     trials = options.trials or TRIALS if options.search == "tpe-joint" else None
     assessed = learn_and_assess(takes, options, SearchProgress(progress, trials).watch)
     sentence = slerped_sentence(assessed)

@@ -6,7 +6,7 @@ import shlex
 from typing import Any
 
 from usd_tools.console.tables import show
-from usd_tools.console.text import counted, say
+from usd_tools.console.text import counted, say, say_command
 from usd_tools.learning.result import LearnResult, MetricReport
 from usd_tools.learning.train import AssessedMetric
 from usd_tools.metrics.attributes import summary
@@ -20,15 +20,10 @@ def print_summary(result: LearnResult, verbose: bool) -> None:
     if result.path is None:
         return
     if result.path.suffix == ".json":
-        say(
-            f"{result.path} is written; use it with: python -m usd_tools.upsample IN -o OUT --factor 4 --metric "
-            f"{shlex.quote(str(result.path))}"
-        )
+        say(f"Wrote {result.path}. Use it with:")
+        say_command(f"python -m usd_tools.upsample IN -o OUT --factor 4 --metric {shlex.quote(str(result.path))}")
     else:
-        say(
-            f"{result.path} is written: a metric, and every sample as it was; usd_tools.upsample finds the metric "
-            "there."
-        )
+        say(f"Wrote {result.path}: the metric, with every sample unchanged. usd_tools.upsample uses the metric.")
 
 
 def _print_metric(report: MetricReport, verbose: bool) -> None:
@@ -51,7 +46,7 @@ def _print_metric(report: MetricReport, verbose: bool) -> None:
     say(report.conclusion)
     if verbose:
         show("What the metric means", table_rows(joint_meanings(report.metric)), HEADER)
-        print(EXPLANATION)
+        say(EXPLANATION)
 
 
 def _named(clips: tuple[str, ...]) -> str:
@@ -63,7 +58,7 @@ def slerped_sentence(assessed: AssessedMetric) -> str | None:
     if not assessed.slerped:
         return None
     where, slerped = _named(tuple(map(str, assessed.takes))), counted(assessed.slerped, "segment")
-    return f"{where}: slerp stands for {slerped} of single joints whose geodesic was not found."
+    return f"{where}: no geodesic was found for {slerped} of single joints; using slerp there."
 
 
 def _row(score: dict[str, Any], is_spline: bool) -> tuple[str, ...]:
@@ -88,23 +83,23 @@ def conclusion(assessed: AssessedMetric) -> str:
     if unseen is not None:
         if assessed.is_plain:
             return (
-                f"A tie with {plain}: cross-validation found nothing that is sure to predict unseen frames better, so "
-                f"{kept}."
+                f"A tie with {plain}: cross-validation found no metric that reliably predicts unseen frames better, "
+                f"so {kept}."
             )
-        tie = ", which is a tie" if unseen.ties else ""
-        loses = " It loses in the rows that say so: do not rely on it there." if assessed.loses else ""
-        return f"Cross-validated: predicts blocks of frames left out {unseen.beside_rival}{tie}.{loses}"
+        tie = ", a tie" if unseen.ties else ""
+        loses = " It loses where the table says so; do not rely on it there." if assessed.loses else ""
+        return f"Cross-validated: it predicts left-out blocks of frames {unseen.beside_rival}{tie}.{loses}"
     if assessed.is_plain:
         return f"A tie with {plain}: no metric rebuilds {one} better, so {kept}."
     if assessed.loses:
         rivals = " and ".join(sorted({score.rival for score in assessed.scores if not score.in_sample and score.loses}))
         return (
-            f"This metric belongs to {one}: it was fitted to rebuild these frames, and loses to {rivals} on frames "
-            "that it has not seen. For in-betweening unseen frames use --purpose predict."
+            f"This metric was fitted to rebuild {one}, and loses to {rivals} on unseen frames; to in-between those, "
+            "use --purpose predict."
         )
     if assessed.scores[0].ties:
         return f"A tie with {assessed.scores[0].rival}: no metric rebuilds {one} noticeably better."
-    return f"This metric was fitted to rebuild {one}; for in-betweening unseen frames use --purpose predict."
+    return f"This metric was fitted to rebuild {one}; to in-between unseen frames, use --purpose predict."
 
 
 def describe(assessed: AssessedMetric) -> MetricReport:

@@ -162,11 +162,11 @@ def _check_rate(takes: Sequence[TrainingClip], stretches: Sequence[Animation], o
     if n_keys - len(keys) < 2:
         enough = np.ceil(300.0 / n_frames) / 100.0
         raise ToolError(
-            f"--rate {options.rate:g} keeps {n_keys} of the {n_frames} samples of {where}, which is one segment; say "
+            f"--rate {options.rate:g} keeps {n_keys} of the {n_frames} samples of {where}, which is one segment; use "
             f"at least {enough:g}."
         )
     if n_keys == n_frames:
-        raise ToolError(f"--rate {options.rate:g} keeps all {n_frames} samples of {where}; say less, to rebuild some.")
+        raise ToolError(f"--rate {options.rate:g} keeps all {n_frames} samples of {where}; use a smaller --rate.")
 
 
 def _scores(stretches: Sequence[Animation], options: LearnOptions, metric: LearnedMetric) -> tuple[Score, ...]:

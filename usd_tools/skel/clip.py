@@ -14,6 +14,7 @@ from geomstats_anim import Animation, Skeleton
 from geomstats_anim.names import repeated_name
 from geomstats_anim.rotations import normalize
 from usd_tools.console.errors import ToolError
+from usd_tools.console.text import short_names
 from usd_tools.skel.channels import JOINT_CHANNELS, VALUE_CLIPS, Channel, read_channel, sampled_alike, step_pairs
 from usd_tools.skel.find import AnimationSource, chosen_variants
 from usd_tools.skel.joint_names import read_names
@@ -179,9 +180,9 @@ class SkelClip:
         if name == "rotations":
             zeros = np.argwhere(np.linalg.norm(values, axis=-1) < 1e-6)
             if len(zeros):
-                joint = self.joints[zeros[0][1]]
+                joint = short_names(self.joints)[self.joints[zeros[0][1]]]
                 raise ToolError(
-                    f"{self.path}: a rotation of joint {joint} is a quaternion of length 0; repair the file."
+                    f"{self.path}: joint {joint} has a rotation that is a quaternion of length 0; repair the file."
                 )
             return normalize(values)
         return values

@@ -7,63 +7,18 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from pxr import Usd
 
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.options import OutputOptions
-from usd_tools.console.text import counted
 from usd_tools.files.atomic import Verify
 from usd_tools.files.openusd_gaps import lost_by_flattening
 from usd_tools.files.paths import check_output, check_usd_output, same_file
 from usd_tools.skel.find import AnimationSource
-from usd_tools.skel.frame_rates import USUAL
 from usd_tools.skel.writer import OverrideLayer, save, save_copy, save_in_place
 
 _A_FEW = 5
 """Variant sets that are named; a crowd has more."""
-
-
-def written(path: Path, rate: float) -> str:
-    """Tell that a file is written, and what whoever plays it in Blender has to know."""
-    return (
-        f"{path} is written: {counted(rate, 'time code')} a second. Blender does not take the rate from the file: set "
-        f"the scene to {counted(rate, 'frame')} a second there."
-    )
-
-
-def better_rate(codes: np.ndarray, rate: float, frames_per_second: float | None) -> str:
-    """Advise who steps through whole frames where samples are between them; "" where they are not, or nothing helps.
-
-    Parameters
-    ----------
-    codes : array-like, shape=[F]
-        Time codes of samples, increasing.
-    rate : float
-        Time codes a second.
-    frames_per_second : float or None
-        What the stage says.
-    """
-    if len(codes) < 2 or _are_whole(codes):
-        return ""
-    seconds = codes / rate
-    authored = [] if frames_per_second is None else [frames_per_second]
-    sampled = 1.0 / max(float(np.median(np.diff(seconds))), 1e-6)
-    nearest = round(sampled)
-    sampled = float(nearest) if abs(sampled - nearest) < 1e-4 * sampled else float(f"{sampled:g}")
-    fitting = [each for each in (*authored, sampled, *map(float, USUAL)) if _are_whole(seconds * each)]
-    better = next((each for each in (*fitting, *authored) if each != rate), None)
-    if better is None:
-        return ""
-    return (
-        f"Samples are between whole time codes; for programs that step through whole frames write it with --fps "
-        f"{better:g} --retime, and set the scene to {better:g}."
-    )
-
-
-def _are_whole(frames: np.ndarray) -> bool:
-    """Whether numbers are whole, up to single precision and the digits in which a rate is printed."""
-    return bool(np.abs(frames - np.round(frames)).max() < 1e-2)
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,9 +35,10 @@ class RotationStep:
     end: float
     degrees: float
 
-    def __str__(self) -> str:
-        """Describe it in words."""
-        return f"joint {self.joint} turns {self.degrees:.1f} degrees from time code {self.start:g} to {self.end:g}"
+    def in_words(self, names: Mapping[str, str]) -> str:
+        """Describe it, with names of joints by their paths."""
+        turn = f"{self.degrees:.1f} degrees from time code {self.start:g} to {self.end:g}"
+        return f"joint {names[self.joint]} turns {turn}"
 
 
 def rotation_steps(clip: SkelClip) -> np.ndarray:

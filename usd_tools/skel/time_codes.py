@@ -60,6 +60,6 @@ def left_sparse(clip: SkelClip) -> list[str]:
     if stored is None or len(stored.codes) <= n_kept:
         return []
     return [
-        f"{clip.path} is sparse: it keeps {n_kept} of {len(stored.codes)} samples, only these are looked at, "
-        "and with another metric the rest cannot be rebuilt; run usd_tools.upsample --times source first."
+        f"{clip.path} is downsampled to {n_kept} of {len(stored.codes)} samples, and only these are used; run "
+        "usd_tools.upsample --times source first to restore the others."
     ]

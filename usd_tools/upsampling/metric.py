@@ -115,16 +115,18 @@ def _choose(
     else:
         metric, missing = base.for_joints(clip.joints)
         if missing:
-            messages.warn(f"{clip.path}: the metric knows nothing of {', '.join(missing)}; the identity is used there.")
+            names = short_names(clip.joints)
+            lost = f"joint{'' if len(missing) == 1 else 's'} {', '.join(names[joint] for joint in missing)}"
+            messages.warn(f"{clip.path}: the metric has no entry for {lost}; using the identity there.")
     if options.scheme is None and metric.scheme not in SCHEME_NAMES:
         raise ToolError(
-            f"{clip.path}: the metric asks for the scheme {metric.scheme!r}, which this program does not have; "
-            f"choose --scheme {', '.join(SCHEME_NAMES)}."
+            f"{clip.path}: the metric names the scheme {metric.scheme!r}, which does not exist; choose --scheme "
+            f"{', '.join(SCHEME_NAMES)}."
         )
     try:
         metric = styled(metric.for_scheme(options.scheme or metric.scheme), options.styles)
     except ValueError as error:
-        raise ToolError(f"{clip.path} cannot be styled so: {error}") from error
+        raise ToolError(f"{clip.path}: invalid --alpha, --beta or --joint: {error}") from error
     return ChosenMetric(metric, origin, missing, learned)
 
 
@@ -165,24 +167,22 @@ def learn_from_clip(
     from usd_tools.learning.train import learn_and_assess
 
     if scheme is not None and scheme not in WITH_METRIC:
-        raise ToolError(
-            f"--metric learn learns for --scheme {', '.join(WITH_METRIC)}, not for {scheme}; choose one of them."
-        )
+        raise ToolError(f"--metric learn needs --scheme {' or '.join(WITH_METRIC)}, not {scheme}.")
     options = LearnOptions(rate=LEARNING_RATE, purpose="predict", scheme=scheme or DEFAULT_SCHEME)
     try:
         found = learn_and_assess([training_clip(path, clip)], options, SearchProgress(progress, None).watch)
     except ToolError as error:
-        messages.warn(f"{str(error).rstrip('.')}; the identity is used.")
+        messages.warn(f"{str(error).rstrip('.')}; using the identity.")
         return LearnedMetric.plain(clip.joints, options.scheme), ""
     if found.is_plain:
         plain = "the plain spline" if options.scheme == "geodesic-spline" else "slerp"
-        gained = f"nothing is sure to predict the others better than {plain}: a tie, and it is kept"
+        gained = f"no metric reliably predicts the others better than {plain}, which is kept"
     else:
         unseen = found.cross_validated
         assert unseen is not None
-        tie = ", which is a tie" if unseen.ties else ""
-        gained = f"the others are predicted, cross-validated, {unseen.beside_rival}{tie}"
-    return found.metric, f"{clip.path}: learned from every other sample; {gained}."
+        tie = ", a tie" if unseen.ties else ""
+        gained = f"cross-validated, it predicts the others {unseen.beside_rival}{tie}"
+    return found.metric, f"{clip.path}: fit on every other sample; {gained}."
 
 
 def _read_file(path: Path) -> LearnedMetric:
@@ -190,7 +190,7 @@ def _read_file(path: Path) -> LearnedMetric:
         return LearnedMetric.from_json(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
         raise ToolError(
-            f"--metric {path}: there is no such file; say stored, identity, learn or a JSON file."
+            f"--metric {path}: there is no such file; use stored, identity, learn or a JSON file."
         ) from error
     except OSError as error:
         raise ToolError(f"--metric {path} cannot be read: {error.strerror}.") from error

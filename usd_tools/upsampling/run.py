@@ -16,12 +16,12 @@ from usd_tools.console.progress import Progress, ProgressCallback
 from usd_tools.files.atomic import write_json
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
 from usd_tools.files.stages import describe_dependencies, open_stage, stage_path
-from usd_tools.skel import output
 from usd_tools.skel.clip import SkelClip, read_clip
 from usd_tools.skel.edit_target import EditTargetLayer
 from usd_tools.skel.find import AnimationSource, find_animations, select_animations
 from usd_tools.skel.frame_rates import rate_like
 from usd_tools.skel.output import Output
+from usd_tools.skel.rate_advice import between_frames
 from usd_tools.skel.resampling import at_rate, resample, subdivided, with_codes, without_cuts
 from usd_tools.skel.time_codes import clips_with_source_codes, codes_for
 from usd_tools.skel.writer import AnimationLayer
@@ -95,7 +95,7 @@ def upsample_open_stage(
 ) -> UpsampleResult:
     """Upsample the animations of an open stage; see `usd_tools.upsample.upsample_stage`."""
     if options.retime:
-        raise UsageError("--retime makes a file with another rate; an open stage keeps its own")
+        raise UsageError("--retime needs an output file; an open stage keeps its rate")
     messages, path = Messages(warn), stage_path(stage)
     with usd_warnings(messages), reading(path):
         clips = _upsampled(path, stage, options, messages, progress)
@@ -153,9 +153,7 @@ def _animated(path: Path, sources: list[AnimationSource], messages: Messages) ->
             f"{clip.path} has {max((len(channel.codes) for channel in clip.channels.values()), default=0)}"
             for clip in clips
         )
-        raise ToolError(
-            f"{path} has no skeletal animation with two samples or more to go between: {', '.join(counts)}."
-        )
+        raise ToolError(f"{path} has no skeletal animation with at least two samples: {', '.join(counts)}.")
     return animated
 
 
@@ -186,8 +184,8 @@ def _check_schemes(options: UpsampleOptions, clips: Sequence[SkelClip], metrics:
     for clip, chosen in zip(clips, metrics, strict=True):
         if given and not chosen.is_used:
             raise ToolError(
-                f"{clip.path}: the scheme {chosen.metric.scheme} has no metric; leave out {', '.join(given)}, or "
-                f"say --scheme {' or '.join(WITH_METRIC)}."
+                f"{clip.path}: the scheme {chosen.metric.scheme} has no metric; leave out {', '.join(given)}, or use "
+                f"--scheme {' or '.join(WITH_METRIC)}."
             )
         if chosen.metric.scheme == "geodesic" and any(style.has_tension for style in options.styles):
             raise ToolError(
@@ -206,20 +204,20 @@ def _target_codes(options: UpsampleOptions, clip: SkelClip, messages: Messages) 
         word, n_added = "times", float(len(times))
     size = (len(clip.codes) + n_added) * max(1, clip.skeleton.n_joints)
     if size > MAX_ROTATIONS:
-        raise ToolError(f"--{word} would make {size:.3g} rotations of {clip.path}; ask for fewer.")
+        raise ToolError(f"--{word} would create {size:.3g} rotations for {clip.path}; ask for fewer.")
     if options.factor is not None:
         return subdivided(clip, options.factor)
     if options.fps is not None:
         if options.fps < 0.9995 * clip.samples_per_second():
             messages.warn(
-                f"{clip.path} has {clip.samples_per_second():g} samples a second, more than --fps {options.fps:g}; "
-                "samples are only ever added."
+                f"{clip.path} has {clip.samples_per_second():g} samples per second, more than --fps {options.fps:g}; "
+                "upsample only adds samples."
             )
         return at_rate(clip, options.fps)
     first, last = clip.codes[0], clip.codes[-1]
     outside = times[(times < first) | (times > last)]
     if len(outside):
-        raise ToolError(f"--times {outside[0]:g} is outside {clip.path}, which goes from {first:g} to {last:g}.")
+        raise ToolError(f"--times {outside[0]:g} is outside {clip.path}, which runs from {first:g} to {last:g}.")
     return with_codes(clip, times)
 
 
@@ -248,4 +246,4 @@ def _advice(stage: Usd.Stage, clips: Sequence[UpsampledClip], rate: float, retim
     root = stage.GetRootLayer()
     codes = np.unique(np.concatenate([each.codes for each in clips])) * (rate / stage.GetTimeCodesPerSecond())
     authored = root.framesPerSecond if root.HasFramesPerSecond() and not retimed else None
-    return output.better_rate(codes, rate, authored)
+    return between_frames(codes, rate, authored)

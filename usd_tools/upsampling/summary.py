@@ -8,10 +8,10 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from geomstats_anim.interpolation.curves import Fallback
-from usd_tools.console.text import counted, say
+from usd_tools.console.text import counted, say, short_names
 from usd_tools.metrics.attributes import summary
-from usd_tools.skel import output
 from usd_tools.skel.clip import SkelClip
+from usd_tools.skel.rate_advice import written_at
 from usd_tools.skel.resampling import Resampled
 from usd_tools.skel.rotation_checks import WIDE_DEGREES, largest_step, rotation_steps, wide_steps
 from usd_tools.upsampling.metric import ChosenMetric
@@ -42,10 +42,11 @@ def print_summary(result: UpsampleResult, verbose: bool) -> None:
     for animation in result.animations:
         _print_animation(animation, verbose)
     if result.path is None:
-        say("Nothing is written: this is a dry run.")
+        say("Dry run: nothing was written.")
         return
-    sentences = (output.written(result.path, result.time_codes_per_second), result.advice, result.dependencies)
-    say(" ".join(filter(None, sentences)))
+    retimed = result.settings.get("retime") and not result.advice
+    wrote = written_at(result.path, result.time_codes_per_second) if retimed else f"Wrote {result.path}."
+    say(" ".join(filter(None, (wrote, result.advice, result.dependencies))))
 
 
 def _print_animation(animation: UpsampledAnimation, verbose: bool) -> None:
@@ -64,7 +65,19 @@ def _print_animation(animation: UpsampledAnimation, verbose: bool) -> None:
 def _how(animation: UpsampledAnimation) -> str:
     if animation.metric is None:
         return animation.scheme
-    return f"{animation.scheme}, {animation.metric} metric{', styled' if animation.styles else ''}"
+    if not animation.styles:
+        return f"{animation.scheme}, {animation.metric} metric"
+    styles = "; ".join(map(_style, animation.styles))
+    if animation.metric == "identity":
+        return f"{animation.scheme}, custom metric: {styles}"
+    return f"{animation.scheme}, {animation.metric} metric with {styles}"
+
+
+def _style(text: str) -> str:
+    """Write a style as words: "alpha 4, beta .5", or "arm* alpha 4" where it is for some joints."""
+    pattern, _, settings = text.rpartition(":")
+    words = settings.replace("=0.", "=.").replace("=", " ").replace(",", ", ")
+    return words if pattern == "*" else f"{pattern} {words}"
 
 
 def _growth(animation: UpsampledAnimation) -> str:
@@ -74,18 +87,19 @@ def _growth(animation: UpsampledAnimation) -> str:
         growth.setdefault((channel["samples_before"], channel["samples_after"]), []).append(name)
     if len(growth) > 1:
         return ", ".join(f"{a} -> {b} samples of {' and '.join(names)}" for (a, b), names in growth.items())
-    rates = f"{animation.rate_before:g} -> {animation.rate_after:g} a second"
+    rates = f"{animation.rate_before:g} -> {animation.rate_after:g} per second"
     return f"{animation.samples_before} -> {animation.samples_after} samples, {rates}"
 
 
 def _fallback_sentences(clip: SkelClip, fallbacks: Sequence[Fallback]) -> list[str]:
     """Name every slerped segment, one sentence a joint and reason."""
+    names = short_names(clip.joints)
     segments: dict[tuple[str, str], list[str]] = {}
     for fallback in fallbacks:
         start, end = (time * clip.codes_per_second for time in (fallback.start_time, fallback.end_time))
         segments.setdefault((fallback.joint, fallback.status.sentence), []).append(f"{start:g} to {end:g}")
     return [
-        f"{clip.path}: joint {joint} is slerped from time code {', '.join(where)}: {reason}"
+        f"{clip.path}: joint {names[joint]} uses slerp from time code {', '.join(where)}: {reason}"
         for (joint, reason), where in segments.items()
     ]
 
@@ -98,8 +112,9 @@ def _wide_sentences(clip: SkelClip, verbose: bool) -> list[str]:
     more = (
         f", and {counted(len(steps) - 1, 'other step')} {are} over {WIDE_DEGREES:g}" if len(steps) > len(told) else ""
     )
-    beyond = "beyond 180 degrees a file cannot tell which way round it went; the shorter way is taken."
-    return [f"{clip.path}: {step}{more}; {beyond}" for step in told]
+    beyond = "a file cannot store which way a turn beyond 180 degrees went, so the shorter way is used."
+    names = short_names(clip.joints)
+    return [f"{clip.path}: {step.in_words(names)}{more}; {beyond}" for step in told]
 
 
 def _cut_sentences(clip: SkelClip) -> list[str]:

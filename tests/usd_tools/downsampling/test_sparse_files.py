@@ -28,7 +28,7 @@ def restored(run, path):
 def test_inspect_tells_that_a_file_is_sparse(sparse, run):
     out = run("inspect", sparse)[1]
     assert "9 samples from sparse.usda" in out
-    assert "30 samples; usd_tools.upsample --times source brings them back" in out
+    assert "30 samples; usd_tools.upsample --times source restores them" in out
     restored(run, sparse)
     out = run("inspect", sparse.with_name("back.usda"))[1]
     assert "30 samples from back.usda" in out and "source had" not in out
@@ -77,7 +77,7 @@ def test_samples_that_were_moved(sparse, run, refuse):
 @pytest.mark.parametrize("command", [["learn", "--rate", ".5"], ["downsample", *SLERP]], ids=["learn", "downsample"])
 def test_learning_from_what_is_sparse(sparse, run, command):
     verb, *options = command
-    words = f"{ANIMATION} is sparse: it keeps 9 of 30 samples"
+    words = f"{ANIMATION} is downsampled to 9 of 30 samples"
     assert words in run(verb, sparse, "-o", sparse.with_name("out.usda"), *options)[2]
     restored(run, sparse)
     again = run(verb, sparse.with_name("back.usda"), "-o", sparse.with_name("out.usda"), *options)

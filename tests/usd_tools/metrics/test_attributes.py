@@ -100,7 +100,7 @@ def test_stored_metric_is_used_and_written(tmp_path, run):
     layer.Save()
     code, out, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2)
     assert (code, "geodesic, stored metric" in out) == (0, True)
-    assert err == (f"warning: {ANIMATION}: the metric knows nothing of {JOINTS[2]}; the identity is used there.\n")
+    assert err == (f"warning: {ANIMATION}: the metric has no entry for joint arm; using the identity there.\n")
     stage = Usd.Stage.Open(str(tmp_path / "out.usda"))
     written = read_metric(stage.GetPrimAtPath(ANIMATION))
     assert written.to_json() == metric.for_joints(JOINTS)[0].to_json()

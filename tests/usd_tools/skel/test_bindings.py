@@ -68,7 +68,7 @@ def test_inspect_tells_what_usd_resolves(bound, inspected):
         ("/Library/Wave", []),
     ]
     assert told["warnings"] == [
-        "/Rig/BoundToAsleep has skel:animationSource /Rig/Asleep, but its target is no animation on this stage."
+        "/Rig/BoundToAsleep has skel:animationSource /Rig/Asleep, but its target is not an animation on this stage."
     ]
 
 

@@ -187,16 +187,16 @@ def test_layers_that_are_nowhere(tmp_path, run):
 def test_flattening_tells_what_is_still_needed(tmp_path, run):
     source = make_shot(tmp_path / "show")
     for name, flat, told in (
-        ("flat.usda", ["--flatten"], "It needs skin.png too."),
-        ("flat.usdz", ["-f"], "It stands alone."),
+        ("flat.usda", ["--flatten"], "It also needs skin.png."),
+        ("flat.usdz", ["-f"], "It needs no other file."),
     ):
         _, out, _ = run("upsample", source, "-o", tmp_path / name, "--factor", 2, *flat)
         assert out.splitlines()[-1].endswith(f". {told}") and out.count(str(tmp_path / name)) == 1
     _, out, _ = run("upsample", tmp_path / "flat.usdz", "-o", tmp_path / "out.usdc", "--factor", 2, "-f")
-    assert out.splitlines()[-1].endswith(". It needs flat.usdz too.")
+    assert out.splitlines()[-1].endswith(". It also needs flat.usdz.")
     shutil.copytree(source.parent, tmp_path / "copy")
     _, out, _ = run("upsample", tmp_path / "copy" / "shot.usda", "--in-place", "--factor", 2, "-f")
-    assert out.splitlines()[-1].endswith(". It needs skin.png too.")  # and not what the file needed before
+    assert out.splitlines()[-1].endswith(". It also needs skin.png.")  # and not what the file needed before
 
 
 def test_flattening_warns_of_textures_that_are_nowhere(tmp_path, capfd):
