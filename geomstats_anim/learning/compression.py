@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -17,7 +18,8 @@ from geomstats_anim.animation import Animation
 from geomstats_anim.interpolation.schemes import SCHEMES
 from geomstats_anim.keyframes.problem import KeyProblem, by_halving, uniform_keyframes
 from geomstats_anim.learned_metric import LearnedMetric
-from geomstats_anim.learning.learn import learn_metric, turns
+from geomstats_anim.learning.learn import learn_metric
+from geomstats_anim.learning.training_set import turns
 from geomstats_anim.markers import Markers
 from geomstats_anim.names import SELECTIONS, WITH_METRIC
 
@@ -111,16 +113,7 @@ def compress(
     """
     if scheme not in SCHEMES:
         raise ValueError(f"There is no scheme {scheme!r}; the schemes are {', '.join(SCHEMES)}.")
-    if select not in SELECTIONS:
-        raise ValueError(f"There is no selection {select!r}; the choices are {', '.join(SELECTIONS)}.")
-    if select == "uniform" and keep is not None and any(np.size(frames) for frames in keep):
-        raise ValueError("Frames of keep need select to be optimal; uniform keys are where they are.")
-    if not animations or len(counts or animations) != len(animations):
-        raise ValueError(
-            f"There are {len(animations)} animations and {len(counts or ())} counts; one count for each is needed."
-        )
-    if any(animation.skeleton.joints != animations[0].skeleton.joints for animation in animations):
-        raise ValueError("The animations have different joints; compress those of one rig at a time.")
+    _check(animations, counts, select, keep)
     problems = [
         KeyProblem.of(
             animation,
@@ -132,38 +125,69 @@ def compress(
         )
         for i, animation in enumerate(animations)
     ]
-
-    family = family or ("spd" if tolerance is None else "diagonal")
-
-    def fit(keyframes: Sequence[np.ndarray], family: str = family) -> LearnedMetric | None:
-        """Learn a metric, if there is anything to learn from."""
-        pairs = zip(animations, keyframes, strict=True)
-        sparse = [(animation, kept) for animation, kept in pairs if len(kept) < animation.n_frames]
-        if not any(turns(animation) for animation, _ in sparse):
-            return None
-        return learn_metric(
-            [animation for animation, _ in sparse],
-            [kept for _, kept in sparse],
-            family=family,
-            scheme=scheme,
-            # what is best for all joints and frames is far quicker to find than what is best for the worst, and near
-            kind="hyb" if problems[0].measure.largest else kind or "hyb",
-            progress=progress,
-            rough=True,
-        )
-
     plain = LearnedMetric.plain(animations[0].skeleton.joints, scheme)
-    learn: Fit = fit if scheme in WITH_METRIC else lambda keyframes, family=family: None
+    # what is best for all joints and frames is far quicker to find than what is best for the worst, and near
+    kind = "hyb" if problems[0].measure.largest else kind or "hyb"
+    family = family or ("spd" if tolerance is None else "diagonal")
+    learn: Fit = _nothing if scheme not in WITH_METRIC else partial(_fit, animations, scheme, kind, progress, family)
     if select == "uniform":
         return _uniform(problems, plain, learn)
     start = [problem.under_slerp() for problem in problems]
     return (_best if tolerance is None else _fewest)(problems, start, plain, learn)
 
 
+def _check(
+    animations: Sequence[Animation],
+    counts: Sequence[int] | None,
+    select: str,
+    keep: Sequence[ArrayLike] | None,
+) -> None:
+    """Refuse arguments of `compress` that do not fit together."""
+    if select not in SELECTIONS:
+        raise ValueError(f"There is no selection {select!r}; the choices are {', '.join(SELECTIONS)}.")
+    if select == "uniform" and keep is not None and any(np.size(frames) for frames in keep):
+        raise ValueError("Frames of keep need select to be optimal; uniform keys are where they are.")
+    if not animations or len(counts or animations) != len(animations):
+        raise ValueError(
+            f"There are {len(animations)} animations and {len(counts or ())} counts; one count for each is needed."
+        )
+    if any(animation.skeleton.joints != animations[0].skeleton.joints for animation in animations):
+        raise ValueError("The animations have different joints; compress those of one rig at a time.")
+
+
+def _fit(
+    animations: Sequence[Animation],
+    scheme: str,
+    kind: str,
+    progress: Callable[[int, float], None],
+    usual_family: str,
+    keyframes: Sequence[np.ndarray],
+    family: str | None = None,
+) -> LearnedMetric | None:
+    """Learn a metric roughly, if there is anything to learn from."""
+    pairs = zip(animations, keyframes, strict=True)
+    sparse = [(animation, kept) for animation, kept in pairs if len(kept) < animation.n_frames]
+    if not any(turns(animation) for animation, _ in sparse):
+        return None
+    return learn_metric(
+        [animation for animation, _ in sparse],
+        [kept for _, kept in sparse],
+        family=family or usual_family,
+        scheme=scheme,
+        kind=kind,
+        progress=progress,
+        rough=True,
+    )
+
+
+def _nothing(keyframes: Sequence[np.ndarray], family: str | None = None) -> None:
+    """Learn nothing, for a scheme without a metric."""
+
+
 class Fit(Protocol):
     """What learns a metric."""
 
-    def __call__(self, keyframes: Sequence[np.ndarray], family: str = ...) -> LearnedMetric | None:
+    def __call__(self, keyframes: Sequence[np.ndarray], family: str | None = None) -> LearnedMetric | None:
         """Learn one for some keys, of the family that is wanted unless told otherwise; None if nothing turns."""
         ...
 

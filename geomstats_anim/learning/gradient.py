@@ -14,7 +14,8 @@ import numpy as np
 from geomstats_anim.learning.descent import ROUGHLY, Search, Tally
 from geomstats_anim.learning.families import Families
 from geomstats_anim.learning.learnable import Found, Learnable
-from geomstats_anim.names import FAMILIES, INVARIANCE_CHOICES, INVARIANCES
+from geomstats_anim.learning.settings import check_words
+from geomstats_anim.names import INVARIANCES
 
 _GRID = np.linspace(-1.5, 1.5, 3)
 """Of log alpha and log beta, for a rough search."""
@@ -68,14 +69,6 @@ def search_gradient(
     curve = Search.curve(best.point, best.sides)
     progress(tally.evaluations, best.value)
     return Found(curve, best.value, tally.evaluations)
-
-
-def check_words(family: str, invariance: str) -> None:
-    """Refuse a family or an invariance that there is not."""
-    if family not in FAMILIES:
-        raise ValueError(f"There is no family {family!r}; the families are {', '.join(FAMILIES)}.")
-    if invariance not in INVARIANCE_CHOICES:
-        raise ValueError(f"There is no invariance {invariance!r}; the choices are {', '.join(INVARIANCE_CHOICES)}.")
 
 
 def _search_roughly(

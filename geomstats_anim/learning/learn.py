@@ -2,30 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from geomstats_anim import rotations as quat
 from geomstats_anim._version import __version__
 from geomstats_anim.animation import Animation
-from geomstats_anim.criteria import quality
-from geomstats_anim.interpolation.schemes import SCHEMES
-from geomstats_anim.interpolation.tangents import STILL
 from geomstats_anim.learned_metric import LearnedMetric
-from geomstats_anim.learning.gradient import search_gradient
-from geomstats_anim.learning.learnable import Found, Learnable
-from geomstats_anim.learning.objective import Objective
-from geomstats_anim.learning.shrinkage import Fold, blocks, shrink
-from geomstats_anim.names import DEFAULT_SCHEME, PURPOSES, SEARCHES, WITH_METRIC
-from geomstats_anim.parameters import CurveParameters
-
-if TYPE_CHECKING:
-    from geomstats_anim.learning.tune.settings import TuneSettings
+from geomstats_anim.learning.fitting import Fit, fit
+from geomstats_anim.learning.settings import LearnSettings
+from geomstats_anim.learning.training_set import TrainingSet
+from geomstats_anim.learning.tune.settings import TuneSettings
+from geomstats_anim.names import DEFAULT_SCHEME
 
 
 def learn_metric(
@@ -119,143 +109,34 @@ def learn_metric(
     >>> metric.provenance["score"] < metric.provenance["slerp_score"]
     True
     """
-    for name, word, words in (
-        ("search", search, SEARCHES),
-        ("purpose", purpose, PURPOSES),
-        ("scheme", scheme, WITH_METRIC),
-    ):
-        if word not in words:
-            raise ValueError(f"There is no {name} {word!r}; the choices are {', '.join(words)}.")
-    if isinstance(animation, Animation):
-        animations, keys = [animation], [_frames(cast(ArrayLike, keyframes))]
-    else:
-        animations = list(animation)
-        keys = [_frames(kept) for kept in cast(Sequence[ArrayLike], keyframes)]
-    _check(animations, keys, purpose)
-    joints = animations[0].skeleton.joints
-    clips = [Objective(clip, kept, kind, weights, location_weight) for clip, kept in zip(animations, keys, strict=True)]
-
-    def find(objective: Learnable, settings: TuneSettings | None, rough: bool = rough) -> Found:
-        if search == "gradient":
-            return search_gradient(objective, len(joints), family, invariance, scheme, progress, rough)
-        from geomstats_anim.learning.tune import tpe
-
-        run = tpe.search_tpe if search == "tpe" else tpe.search_tpe_joint
-        return run(objective, len(joints), family, invariance, scheme, seed, settings or tpe.TuneSettings(), progress)
-
-    with _workers(len(clips), tune) as workers:
-        if fitted is None:
-            found = find(_together(clips, workers), tune)
-            curve, evaluations = found.curve, found.evaluations
-        else:
-            curve, evaluations = fitted.for_joints(joints)[0].curve, fitted.provenance.get("evaluations", 0)
-        extra: dict[str, Any] = {}
-        if purpose == "predict":
-            # a folder holds one search, that of all frames
-            quiet = None if tune is None else replace(tune, folder=None, resume=False, wandb=None)
-            plain = CurveParameters.plain(scheme, len(joints))
-            shrinkage = shrink(_folds(clips, workers), curve, plain, lambda fold: find(fold, quiet, rough=True))
-            curve = shrinkage.curve
-            extra = {"shrinkage": shrinkage.factors.tolist()}
-            if np.isfinite(shrinkage.score):
-                extra["cross_validated_score"] = shrinkage.score
-                extra["cross_validated_slerp_score"] = shrinkage.slerp_score
-                extra["cross_validated_plain_score"] = shrinkage.plain_score
-
-    metric = LearnedMetric(joints, curve.metric, curve.tension, scheme, kind, {}, curve.translation_tension)
-
-    def score(scheme_name: str, metric: LearnedMetric | None = None) -> float:
-        total = 0.0
-        for clip, kept in zip(animations, keys, strict=True):
-            rebuilt = SCHEMES[scheme_name](clip.at_frames(kept), metric)(clip.times)
-            total += clip.n_frames * quality(rebuilt, clip, kind, weights, location_weight)
-        return total / sum(clip.n_frames for clip in animations)
-
-    provenance = {
-        "version": __version__,
-        "search": search,
-        "purpose": purpose,
-        "family": family,
-        "invariance": invariance,
-        "seed": seed,
-        "evaluations": evaluations,
-        "frames": [clip.n_frames for clip in animations],
-        "keys": [len(kept) for kept in keys],
-        "score": score(scheme, metric),
-        "slerp_score": score("slerp"),
-        "plain_score": score(scheme),
-        **extra,
-    }
-    return replace(metric, provenance=provenance)
-
-
-@contextmanager
-def _workers(n_clips: int, tune: TuneSettings | None) -> Iterator[int]:
-    """Have as many processes as are asked for and can be used; Ray is started for no less than two."""
-    if tune is None:
-        yield 1
-        return
-    from geomstats_anim.learning.tune import ray_runtime
-
-    if n_clips == 1:
-        if tune.address:  # there is nothing to spread, but a slip in it should not go unnoticed
-            ray_runtime.check_reachable(tune.address)
-        yield 1
-        return
-    if not ray_runtime.is_wanted(tune.address, tune.cpus):
-        yield 1
-        return
-    with ray_runtime.running(tune.address, tune.cpus) as workers:
-        yield workers
-
-
-def _frames(keyframes: ArrayLike) -> np.ndarray:
-    """Take indices, and refuse what is not whole."""
-    frames = np.asarray(keyframes)
-    if frames.size and not np.equal(frames, np.round(frames)).all():
-        raise ValueError(f"keyframes must be whole numbers, but one is {frames[frames != np.round(frames)][0]}.")
-    return frames.astype(np.intp)
-
-
-def _check(animations: Sequence[Animation], keys: Sequence[np.ndarray], purpose: str) -> None:
-    """Refuse what nothing can be learned from."""
-    if not animations or len(animations) != len(keys):
-        raise ValueError(
-            f"There are {len(animations)} animations and keys for {len(keys)}; one set for each is needed."
-        )
-    joints = animations[0].skeleton.joints
-    for number, (clip, kept) in enumerate(zip(animations, keys, strict=True)):
-        if clip.skeleton.joints != joints:
-            raise ValueError(f"Animation {number} has other joints than the first.")
-        if len(kept) < 2 or kept[0] != 0 or kept[-1] != clip.n_frames - 1 or (np.diff(kept) <= 0).any():
-            raise ValueError(f"The keys of animation {number} must increase from frame 0 to frame {clip.n_frames - 1}.")
-    if purpose == "predict" and sum(len(kept) - 1 for kept in keys) < 2:
+    settings = LearnSettings(
+        search, purpose, family, invariance, scheme, kind, seed, weights, location_weight, tune, rough
+    )
+    training = TrainingSet.of(animation, keyframes)
+    if purpose == "predict" and training.n_segments < 2:
         raise ValueError("There is only one segment between keys, which cannot tell how to predict; keep more keys.")
-    if all(len(kept) == clip.n_frames for clip, kept in zip(animations, keys, strict=True)):
-        raise ValueError("Every frame is a key, so there is nothing to rebuild; keep fewer keys.")
-    if not any(turns(clip) for clip in animations):
-        raise ValueError("No joint turns, so there is nothing to learn.")
+    found = fit(training, settings, progress, fitted)
+    curve = found.curve
+    metric = LearnedMetric(
+        training.joints, curve.metric, curve.tension, scheme, kind, translation_tension=curve.translation_tension
+    )
+    return replace(metric, provenance=_provenance(metric, training, settings, found))
 
 
-def turns(animation: Animation) -> bool:
-    """Whether any joint turns."""
-    return bool((quat.distance(animation.rotations, animation.rotations[:1]) >= STILL).any())
-
-
-def _together(clips: Sequence[Objective], workers: int) -> Learnable:
-    if len(clips) == 1:
-        return clips[0]
-    from geomstats_anim.learning.clips import Corpus
-
-    return Corpus(clips, min(workers, len(clips)))
-
-
-def _folds(clips: Sequence[Objective], workers: int) -> list[Fold]:
-    """Leave out a block of clips at a time; of a single clip, a block of segments."""
-    if len(clips) == 1:
-        return [Fold(clips[0].without(block), clips[0].only(block)) for block in blocks(clips[0].n_segments)]
-    folds = []
-    for group in blocks(len(clips)):
-        rest = [clip for number, clip in enumerate(clips) if number not in group]
-        folds.append(Fold(_together(rest, workers), _together([clips[number] for number in group], workers)))
-    return folds
+def _provenance(metric: LearnedMetric, training: TrainingSet, settings: LearnSettings, found: Fit) -> dict[str, Any]:
+    """Tell where a metric comes from, and score it beside slerp and its scheme without learning."""
+    return {
+        "version": __version__,
+        "search": settings.search,
+        "purpose": settings.purpose,
+        "family": settings.family,
+        "invariance": settings.invariance,
+        "seed": settings.seed,
+        "evaluations": found.evaluations,
+        "frames": [clip.n_frames for clip in training.animations],
+        "keys": [len(kept) for kept in training.keyframes],
+        "score": training.score(settings.scheme, metric, settings),
+        "slerp_score": training.score("slerp", None, settings),
+        "plain_score": training.score(settings.scheme, None, settings),
+        **found.cross_validation,
+    }

@@ -13,7 +13,8 @@ import numpy as np
 from geomstats_anim import SCHEMES, Animation, LearnedMetric, quality, uniform_keyframes
 from geomstats_anim import rotations as quat
 from geomstats_anim.criteria import location_errors, rotation_errors
-from geomstats_anim.learning.learn import STILL, learn_metric
+from geomstats_anim.interpolation.tangents import STILL
+from geomstats_anim.learning.learn import learn_metric
 from geomstats_anim.names import FAMILIES, PURPOSES
 from usd_tools.comparison.options import SchemeChoice
 from usd_tools.learning.clips import TrainingClip

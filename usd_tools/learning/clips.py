@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from geomstats_anim import Animation, Skeleton
-from geomstats_anim.learning.learn import turns
+from geomstats_anim.learning.training_set import turns
 from usd_tools.console.errors import ToolError
 from usd_tools.console.text import counted
 from usd_tools.files.stages import stage_sha256

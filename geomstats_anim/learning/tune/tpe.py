@@ -16,9 +16,9 @@ import numpy as np
 
 from geomstats_anim.learning.clips import Corpus
 from geomstats_anim.learning.descent import BOUND
-from geomstats_anim.learning.gradient import check_words
 from geomstats_anim.learning.learnable import Found, Learnable
 from geomstats_anim.learning.objective import Objective
+from geomstats_anim.learning.settings import check_words
 from geomstats_anim.learning.tune.ray_runtime import require
 from geomstats_anim.learning.tune.settings import JOINT_WINDOW, TuneSettings
 from geomstats_anim.names import INVARIANCES, JOINT_TRIALS

@@ -1,0 +1,63 @@
+"""Settings of `learn_metric`, checked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from geomstats_anim.learning.tune.settings import TuneSettings
+from geomstats_anim.names import DEFAULT_SCHEME, FAMILIES, INVARIANCE_CHOICES, PURPOSES, SEARCHES, WITH_METRIC
+
+
+@dataclass(frozen=True, eq=False)
+class LearnSettings:
+    """What to learn, and how; see `learn_metric`.
+
+    Parameters
+    ----------
+    search, purpose, family, invariance, scheme, kind : str
+    seed : int
+    weights : None, "depth" or array-like, shape=[B]
+    location_weight : float
+    tune : TuneSettings or None
+    rough : bool
+
+    Raises
+    ------
+    ValueError
+        If a word is unknown.
+    """
+
+    search: str = "gradient"
+    purpose: str = "reconstruct"
+    family: str = "diagonal"
+    invariance: str = "joint"
+    scheme: str = DEFAULT_SCHEME
+    kind: str = "hyb"
+    seed: int = 0
+    weights: str | ArrayLike | None = None
+    location_weight: float = 0.5
+    tune: TuneSettings | None = None
+    rough: bool = False
+
+    def __post_init__(self) -> None:
+        """Check the words; the kind and the weights are checked where they are used."""
+        for name, words in (("search", SEARCHES), ("purpose", PURPOSES), ("scheme", WITH_METRIC)):
+            word = getattr(self, name)
+            if word not in words:
+                raise ValueError(f"There is no {name} {word!r}; the choices are {', '.join(words)}.")
+        check_words(self.family, self.invariance)
+
+
+def check_words(family: str, invariance: str) -> None:
+    """Refuse an unknown family or invariance.
+
+    Raises
+    ------
+    ValueError
+    """
+    if family not in FAMILIES:
+        raise ValueError(f"There is no family {family!r}; the families are {', '.join(FAMILIES)}.")
+    if invariance not in INVARIANCE_CHOICES:
+        raise ValueError(f"There is no invariance {invariance!r}; the choices are {', '.join(INVARIANCE_CHOICES)}.")
