@@ -78,7 +78,7 @@ def _find(objective: Learnable, n_joints: int, settings: LearnSettings, progress
     from geomstats_anim.learning.tune import tpe
 
     search = tpe.search_tpe if settings.search == "tpe" else tpe.search_tpe_joint
-    return search(objective, n_joints, *words, settings.seed, settings.tune or TuneSettings(), progress)
+    return search(objective, n_joints, *words, settings.seed, settings.tune, progress)
 
 
 @contextmanager

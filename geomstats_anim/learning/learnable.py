@@ -7,6 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
+from geomstats_anim.animation import Skeleton
 from geomstats_anim.geodesics.shortest import Effort
 from geomstats_anim.parameters import CurveParameters
 from geomstats_anim.rotations import Array
@@ -16,6 +17,11 @@ class Learnable(Protocol):
     """What a search needs of its objective."""
 
     kind: str
+
+    @property
+    def skeleton(self) -> Skeleton:
+        """The joints."""
+        ...
 
     def value(self, curve: CurveParameters) -> float:
         """Return the quality; 0 is perfect."""

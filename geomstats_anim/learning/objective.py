@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geomstats_anim import rotations as quat
-from geomstats_anim.animation import Animation
+from geomstats_anim.animation import Animation, Skeleton
 from geomstats_anim.criteria import joint_weights, kind_shares
 from geomstats_anim.geodesics.shortest import Effort
 from geomstats_anim.interpolation.curves import locate
@@ -71,6 +71,11 @@ class Objective:
         """Arrive in another process: arrays out of Ray's store may not be written to."""
         self.__dict__.update(state)
         self._velocities = self._velocities.copy()
+
+    @property
+    def skeleton(self) -> Skeleton:
+        """The joints of the animation."""
+        return self.animation.skeleton
 
     @property
     def n_segments(self) -> int:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
-from geomstats_anim.learning.tune.settings import TuneSettings
 from geomstats_anim.names import DEFAULT_SCHEME, FAMILIES, INVARIANCE_CHOICES, PURPOSES, SEARCHES, WITH_METRIC
+
+if TYPE_CHECKING:
+    from geomstats_anim.learning.tune.settings import TuneSettings
 
 
 @dataclass(frozen=True, eq=False)

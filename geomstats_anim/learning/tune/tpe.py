@@ -10,14 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
-from geomstats_anim.learning.clips import Corpus
 from geomstats_anim.learning.descent import BOUND
 from geomstats_anim.learning.learnable import Found, Learnable
-from geomstats_anim.learning.objective import Objective
 from geomstats_anim.learning.settings import check_words
 from geomstats_anim.learning.tune.ray_runtime import require
 from geomstats_anim.learning.tune.settings import JOINT_WINDOW, TuneSettings
@@ -204,10 +202,9 @@ def search_tpe(
     require("hyperopt")
     if settings.resume:
         raise ValueError("The search joint by joint takes seconds and cannot be resumed; start it again.")
-    corpus = objective if isinstance(objective, Corpus) else Corpus([cast(Objective, objective)])
     # joints that are searched one by one cannot agree on a side, so each is tried
     sides = INVARIANCES if invariance == "clip" else (invariance,)
-    searches = [_JointByJoint(corpus, replace(space, invariance=side), seed, settings, progress) for side in sides]
+    searches = [_JointByJoint(objective, replace(space, invariance=side), seed, settings, progress) for side in sides]
     found = [search.run() for search in searches]
     return replace(min(found, key=lambda one: one.value), evaluations=sum(one.evaluations for one in found))
 
@@ -216,24 +213,35 @@ class _JointByJoint:
     """Rotation errors first, all joints at once, as these need no other joint; then all errors, a level at a time."""
 
     def __init__(
-        self, corpus: Corpus, space: Space, seed: int, settings: TuneSettings, progress: Callable[[int, float], None]
+        self,
+        objective: Learnable,
+        space: Space,
+        seed: int,
+        settings: TuneSettings,
+        progress: Callable[[int, float], None],
     ) -> None:
-        self._corpus, self._space, self._seed, self._settings, self._progress = corpus, space, seed, settings, progress
+        self._objective, self._space, self._seed, self._settings, self._progress = (
+            objective,
+            space,
+            seed,
+            settings,
+            progress,
+        )
         self._chosen = space.identity
         self._evaluations, self._best_value = 0, np.inf
 
     def run(self) -> Found:
         identity = self._space.parameters(self._chosen)
         self._search_in_step(self._space.joints, self._own)
-        if self._corpus.kind == "rot":
+        if self._objective.kind == "rot":
             self._search_in_step(self._space.joints, self._own, zoom=True)
         else:
-            depths = self._corpus.skeleton.depths
+            depths = self._objective.skeleton.depths
             levels = [[int(joint) for joint in np.flatnonzero(depths == depth)] for depth in np.unique(depths)]
             for zoom in (False, True):
                 for joints in levels:
                     self._search_in_step(joints, self._from_here_down, zoom)
-        found = [(self._corpus.value(one), one) for one in (identity, self._space.parameters(self._chosen))]
+        found = [(self._objective.value(one), one) for one in (identity, self._space.parameters(self._chosen))]
         value, curve = min(found, key=lambda one: one[0])
         return Found(curve, value, self._evaluations)
 
@@ -270,14 +278,14 @@ class _JointByJoint:
     def _from_here_down(self, point: Point) -> Array:
         """Errors of each joint and of those below it, shape=[B]: all that its metric has a part in."""
         errors = self._errors(point)[1]
-        parents = self._corpus.skeleton.parents
+        parents = self._objective.skeleton.parents
         for joint in reversed(range(len(parents))):
             if parents[joint] >= 0:
                 errors[parents[joint]] += errors[joint]
         return errors
 
     def _errors(self, point: Point) -> Array:
-        errors = self._corpus.errors_by_joint(self._space.parameters(self._chosen | point))
+        errors = self._objective.errors_by_joint(self._space.parameters(self._chosen | point))
         self._evaluations += 1
         self._best_value = min(self._best_value, float(errors[1].sum()))
         self._progress(self._evaluations, self._best_value)
