@@ -78,13 +78,13 @@ def upsample(
     --------
     >>> import tempfile
     >>> from pathlib import Path
-    >>> from pxr import Usd, UsdSkel
+    >>> from pxr import Gf, Usd, UsdSkel
     >>> folder = Path(tempfile.mkdtemp())
     >>> stage = Usd.Stage.CreateNew(str(folder / "turn.usda"))
     >>> turn = UsdSkel.Animation.Define(stage, "/Turn")
     >>> _ = turn.CreateJointsAttr(["arm"])
-    >>> _ = turn.CreateRotationsAttr().Set([(1, 0, 0, 0)], 0)
-    >>> _ = turn.CreateRotationsAttr().Set([(0, 1, 0, 0)], 24)
+    >>> _ = turn.CreateRotationsAttr().Set([Gf.Quatf(1, 0, 0, 0)], 0)
+    >>> _ = turn.CreateRotationsAttr().Set([Gf.Quatf(0, 1, 0, 0)], 24)
     >>> stage.Save()
     >>> result = upsample(folder / "turn.usda", folder / "out.usda", UpsampleOptions(factor=4))
     >>> result.path.name, result.animations[0].samples_before, result.animations[0].samples_after
@@ -126,12 +126,12 @@ def upsample_stage(
 
     Examples
     --------
-    >>> from pxr import Usd, UsdSkel
+    >>> from pxr import Gf, Usd, UsdSkel
     >>> stage = Usd.Stage.CreateInMemory()
     >>> turn = UsdSkel.Animation.Define(stage, "/Turn")
     >>> _ = turn.CreateJointsAttr(["arm"])
-    >>> _ = turn.CreateRotationsAttr().Set([(1, 0, 0, 0)], 0)
-    >>> _ = turn.CreateRotationsAttr().Set([(0, 1, 0, 0)], 24)
+    >>> _ = turn.CreateRotationsAttr().Set([Gf.Quatf(1, 0, 0, 0)], 0)
+    >>> _ = turn.CreateRotationsAttr().Set([Gf.Quatf(0, 1, 0, 0)], 24)
     >>> stage.SetEditTarget(stage.GetSessionLayer())
     >>> _ = upsample_stage(stage, UpsampleOptions(factor=4))
     >>> turn.GetRotationsAttr().GetTimeSamples()

@@ -72,7 +72,7 @@ def test_the_door_is_light(arguments):
     assert heavy_after(f"from usd_tools.__main__ import main; main({arguments})") == set()
 
 
-@pytest.mark.parametrize("verb", [verb for verb in VERBS if verb != "inspect"])
+@pytest.mark.parametrize("verb", VERBS)
 def test_help_and_usage_errors_are_light(verb):
     for arguments in (["--help"], ["--nonsense"], []):
         assert heavy_after(f"from usd_tools.__main__ import main; main({[verb, *arguments]})") == set()

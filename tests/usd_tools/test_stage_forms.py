@@ -11,6 +11,7 @@ from rigs import ANIMATION, JOINTS, SKELETON, bits, make_rig, random_rotations, 
 
 from usd_tools.console.errors import ToolError, UsageError
 from usd_tools.downsample import DownsampleOptions, downsample, downsample_stage
+from usd_tools.inspect import inspect, inspect_stage
 from usd_tools.learn import LearnOptions, learn, learn_stage
 from usd_tools.metrics.attributes import read_metric
 from usd_tools.upsample import Style, UpsampleOptions, upsample, upsample_stage
@@ -209,7 +210,7 @@ def test_options_are_checked_wherever_they_come_from(tmp_path):
         options.factor = 3
     with pytest.raises(UsageError, match="name the output"):
         upsample(tmp_path / "in.usda", None, UpsampleOptions(factor=2))
-    with pytest.raises(UsageError, match="an open stage keeps its own"):
+    with pytest.raises(UsageError, match="an open stage keeps its rate"):
         upsample_stage(Usd.Stage.CreateInMemory(), UpsampleOptions(fps=30, retime=True))
 
 
@@ -252,3 +253,13 @@ def test_replaced_files_keep_their_mode(tmp_path):
         upsample(tmp_path / "in.usda", tmp_path / "out.usda", UpsampleOptions(factor=2))
         owner = (tmp_path / "out.usda").stat()
         assert (owner.st_uid, owner.st_gid) == (12345, 23456)
+
+
+def test_inspect_is_the_same_for_a_file_and_its_stage(tmp_path):
+    make_rig(tmp_path / "in.usda", codes=CODES, bind=False)
+    told = []
+    result = inspect(tmp_path / "in.usda", warn=told.append)
+    assert tuple(told) == result.warnings and result.animations[0]["samples"] == 12
+    assert inspect_stage(Usd.Stage.Open(str(tmp_path / "in.usda"))) == result
+    stage = Usd.Stage.CreateInMemory()
+    assert inspect_stage(stage).animations == ()

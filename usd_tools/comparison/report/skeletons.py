@@ -177,8 +177,10 @@ def _panel_size(low: np.ndarray, high: np.ndarray, longest: float) -> tuple[floa
 
 
 def _box(points: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Find corners around points, with a margin."""
+    """Return corners around points, with a margin; around the origin if there are none."""
     every = np.concatenate(points)
+    if not len(every):  # no bone has a length
+        every = np.zeros((1, 2))
     low, high = every.min(axis=0), every.max(axis=0)
     margin = 0.06 * max(float((high - low).max()), 1e-3)
     return low - margin, high + margin

@@ -1,0 +1,219 @@
+"""What is on a stage: its skeletons, its skeletal animations, and what to beware of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pxr import Usd, UsdGeom, UsdSkel
+
+from usd_tools.console.errors import Messages, ToolError
+from usd_tools.console.text import short_names
+from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
+from usd_tools.files.stages import open_stage, stage_path
+from usd_tools.inspection.result import InspectResult
+from usd_tools.metrics import explain as metric_meaning
+from usd_tools.metrics.attributes import read_metric, read_source_codes, summary
+from usd_tools.metrics.explain import joint_meanings
+from usd_tools.skel.channels import Channel
+from usd_tools.skel.clip import SkelClip, read_clip
+from usd_tools.skel.find import AnimationSource, find_animations
+from usd_tools.skel.joint_names import read_names
+from usd_tools.skel.rotation_checks import (
+    count_not_unit,
+    count_sign_flips,
+    largest_step,
+    rotation_steps,
+    wide_steps,
+)
+
+
+@openusd_errors()
+def inspect_file(path: Path, warn: Callable[[str], None] | None) -> InspectResult:
+    """Describe a file; see `usd_tools.inspect.inspect`."""
+    messages = Messages(warn)
+    with usd_warnings(messages), reading(path):
+        result = describe(open_stage(path), path, messages)
+    return replace(result, warnings=tuple(messages.warnings))  # OpenUSD's come last
+
+
+@openusd_errors()
+def inspect_open_stage(stage: Usd.Stage, warn: Callable[[str], None] | None) -> InspectResult:
+    """Describe an open stage; see `usd_tools.inspect.inspect_stage`."""
+    messages, path = Messages(warn), stage_path(stage)
+    with usd_warnings(messages), reading(path):
+        result = describe(stage, path, messages)
+    return replace(result, warnings=tuple(messages.warnings))
+
+
+def describe(stage: Usd.Stage, path: Path, messages: Messages) -> InspectResult:
+    """Describe what is on a stage.
+
+    Parameters
+    ----------
+    stage : Usd.Stage
+    path : Path
+        File that it was opened from.
+    messages : Messages
+        Told what to beware of.
+
+    Returns
+    -------
+    result : InspectResult
+    """
+    root = stage.GetRootLayer()
+    sources = find_animations(stage)
+    skeletons = tuple(
+        _describe_skeleton(prim, sources, messages)
+        for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies())
+        if prim.IsA(UsdSkel.Skeleton)
+    )
+    animations = tuple(_describe_animation(source, messages) for source in sources)
+    return InspectResult(
+        file=path.name,
+        layers=tuple(_names_of_layers(stage)),
+        default_prim=root.defaultPrim or None,
+        up_axis=str(UsdGeom.GetStageUpAxis(stage)),
+        meters_per_unit=UsdGeom.GetStageMetersPerUnit(stage),
+        time_codes_per_second=stage.GetTimeCodesPerSecond(),
+        frames_per_second=stage.GetFramesPerSecond() if root.HasFramesPerSecond() else None,
+        start_time_code=stage.GetStartTimeCode() if root.HasStartTimeCode() else None,
+        end_time_code=stage.GetEndTimeCode() if root.HasEndTimeCode() else None,
+        skeletons=skeletons,
+        animations=animations,
+        warnings=tuple(messages.warnings),
+    )
+
+
+def _names_of_layers(stage: Usd.Stage) -> list[str]:
+    """Name the layers of a stage: its root, then the others by name, for OpenUSD lists them in any order."""
+    others = [layer for layer in stage.GetUsedLayers() if layer != stage.GetRootLayer() and not layer.anonymous]
+    root = [] if stage.GetRootLayer().anonymous else [stage.GetRootLayer().GetDisplayName()]
+    return root + sorted(layer.GetDisplayName() for layer in others)
+
+
+def _describe_skeleton(prim: Usd.Prim, sources: list[AnimationSource], messages: Messages) -> dict[str, Any]:
+    driven_by = next((source.path for source in sources if prim in source.skeletons), None)
+    binding = prim.GetRelationship("skel:animationSource")
+    if driven_by is None and binding and binding.GetTargets():
+        reason = (
+            "its target is not an animation on this stage"
+            if prim.HasAPI(UsdSkel.BindingAPI)
+            else "SkelBindingAPI is not applied, so USD ignores it"
+        )
+        messages.warn(f"{prim.GetPath()} has skel:animationSource {binding.GetTargets()[0]}, but {reason}.")
+    return {
+        "prim": str(prim.GetPath()),
+        "joints": _count_joints(prim, messages),
+        "animation": driven_by,
+        "instance": prim.IsInstanceProxy(),
+    }
+
+
+def _count_joints(skeleton: Usd.Prim, messages: Messages) -> int | None:
+    try:
+        return len(read_names(skeleton, "joints"))
+    except ToolError as error:
+        messages.warn(str(error))
+        return None
+
+
+def _describe_animation(source: AnimationSource, messages: Messages) -> dict[str, Any]:
+    described: dict[str, Any] = {
+        "prim": source.path,
+        "instances": [str(prim.GetPath()) for prim in source.prims[1:]],
+        "skeletons": [str(prim.GetPath()) for prim in source.skeletons],
+    }
+    try:
+        clip = read_clip(source)
+    except ToolError as error:
+        messages.warn(str(error))
+        return {**described, "error": str(error)}
+    for note in clip.notes:
+        messages.warn(note)
+    degrees = rotation_steps(clip)
+    largest, wide = largest_step(clip, degrees), wide_steps(clip, degrees)
+    for step in wide:
+        turn = step.in_words(short_names(clip.joints))
+        messages.warn(f"{clip.path}: {turn}; a file cannot store which way a turn beyond 180 degrees went.")
+    rotations = clip.channels.get("rotations")
+    return {
+        **described,
+        "error": None,
+        "joints": len(clip.joints),
+        "still_joints": _count_still(clip),
+        "blend_shapes": len(read_names(source.prim, "blendShapes")),
+        "meters_per_unit": clip.world_scale,
+        "channels": {name: _describe_channel(channel) for name, channel in clip.channels.items()},
+        **_describe_times(clip),
+        "samples_of_source": _count_source_samples(source, messages),
+        "stepped_pairs": int(clip.steps.sum()),
+        "largest_step": None if largest is None else asdict(largest),
+        "wide_steps": [asdict(step) for step in wide],
+        "sign_flips": 0 if rotations is None else count_sign_flips(rotations),
+        "not_unit_quaternions": 0 if rotations is None else count_not_unit(rotations),
+        "metric": _describe_metric(source, messages),
+    }
+
+
+def _describe_channel(channel: Channel) -> dict[str, Any]:
+    return {
+        "samples": len(channel.codes),
+        "value_blocks": int(channel.blocked.sum()),
+        "held_gaps": int(channel.holds.all(axis=-1).sum()),
+        "from": channel.source or None,
+    }
+
+
+def _describe_times(clip: SkelClip) -> dict[str, Any]:
+    codes = clip.codes
+    if not len(codes):
+        return dict.fromkeys(("samples", "codes", "seconds", "samples_per_second", "evenly_spaced"))
+    gaps = np.diff(codes)[~clip.steps]
+    return {
+        "samples": len(codes),
+        "codes": [float(codes[0]), float(codes[-1])],
+        "seconds": [float(code / clip.codes_per_second) for code in codes[[0, -1]]],
+        "samples_per_second": clip.samples_per_second(),
+        "evenly_spaced": bool(np.allclose(gaps, gaps[0], rtol=1e-4)),
+    }
+
+
+def _count_source_samples(source: AnimationSource, messages: Messages) -> int | None:
+    try:
+        codes = read_source_codes(source.prim)
+    except ToolError as error:
+        messages.warn(str(error))
+        return None
+    return None if codes is None else len(codes)
+
+
+def _count_still(clip: SkelClip) -> int:
+    """Count the joints that never move, bit for bit."""
+    still = np.ones(len(clip.joints), dtype=bool)
+    for name in ("rotations", "translations", "scales"):
+        if name in clip.channels:
+            still &= clip.channels[name].holds.all(axis=0)
+    return int(still.sum())
+
+
+def _describe_metric(source: AnimationSource, messages: Messages) -> dict[str, Any] | None:
+    try:
+        metric = read_metric(source.prim)
+    except ToolError as error:
+        messages.warn(str(error))
+        return {"error": str(error)}
+    if metric is None:
+        return None
+    return {
+        "error": None,
+        "summary": summary(metric),
+        "scheme": metric.scheme,
+        "joints": len(metric.joints),
+        "quality": metric.quality,
+        "provenance": dict(metric.provenance),
+        "by_joint": [metric_meaning.as_dict(meaning) for meaning in joint_meanings(metric)],
+    }

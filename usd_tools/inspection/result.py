@@ -1,0 +1,51 @@
+"""What `inspect` found, as plain values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class InspectResult:
+    """What is in a file or on a stage; a value that does not apply is None.
+
+    Parameters
+    ----------
+    file : str
+        Name of the file, or of the stage's root layer.
+    layers : tuple of str
+        Names of the layers that are used.
+    default_prim : str or None
+    up_axis : str
+    meters_per_unit : float
+    time_codes_per_second : float
+    frames_per_second, start_time_code, end_time_code : float or None
+        Where they are authored.
+    skeletons : tuple of dict
+        prim, joints, animation, instance.
+    animations : tuple of dict
+        prim, instances, skeletons, error (then nothing more), joints, still_joints, blend_shapes, meters_per_unit (in
+        the world), channels (a name each: samples, value_blocks, held_gaps, from), samples, codes and seconds (first
+        and last), samples_per_second, evenly_spaced, samples_of_source (of a sparse animation), stepped_pairs,
+        largest_step and wide_steps (joint, start, end, degrees), sign_flips, not_unit_quaternions, metric (error,
+        summary, scheme, joints, quality, provenance, by_joint).
+    warnings : tuple of str
+    """
+
+    file: str
+    layers: tuple[str, ...]
+    default_prim: str | None
+    up_axis: str
+    meters_per_unit: float
+    time_codes_per_second: float
+    frames_per_second: float | None
+    start_time_code: float | None
+    end_time_code: float | None
+    skeletons: tuple[dict[str, Any], ...]
+    animations: tuple[dict[str, Any], ...]
+    warnings: tuple[str, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return what `--json` prints."""
+        return {name: list(value) if isinstance(value, tuple) else value for name, value in vars(self).items()}

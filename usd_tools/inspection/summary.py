@@ -1,0 +1,103 @@
+"""What `inspect` found, as tables on stdout."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from usd_tools.console.tables import show
+from usd_tools.console.text import counted, say
+from usd_tools.inspection.result import InspectResult
+from usd_tools.metrics import explain as metric_meaning
+from usd_tools.metrics.explain import JointMeaning, describe_scores
+from usd_tools.skel.rotation_checks import (
+    WIDE_DEGREES,
+)
+
+
+def print_summary(result: InspectResult) -> None:
+    """Print a table for the stage, each skeleton, each animation, and each stored metric."""
+    described = result.as_dict()
+    show(described["file"], _stage_rows(described))
+    for skeleton in described["skeletons"]:
+        show(
+            f"Skeleton {skeleton['prim']}",
+            [("joints", str(skeleton["joints"])), ("driven by", skeleton["animation"] or "nothing")],
+        )
+    for animation in described["animations"]:
+        show(f"Animation {animation['prim']}", _animation_rows(animation))
+        metric = animation.get("metric")
+        if metric is not None and metric["error"] is None:
+            _print_metric(animation["prim"], metric)
+    if not described["animations"]:
+        say("No skeletal animation.")
+
+
+def _print_metric(prim: str, metric: dict[str, Any]) -> None:
+    fields = JointMeaning.__dataclass_fields__
+    meanings = [JointMeaning(**{name: one[name] for name in fields}) for one in metric["by_joint"]]
+    rows = metric_meaning.table_rows(meanings)
+    show(f"What the metric of {prim} means", rows, metric_meaning.HEADER)
+    say(metric_meaning.EXPLANATION)
+    for sentence in describe_scores(metric["provenance"]):
+        say(sentence)
+
+
+def _stage_rows(described: dict[str, Any]) -> list[tuple[str, str]]:
+    start, end = described["start_time_code"], described["end_time_code"]
+    frames = described["frames_per_second"]
+    return [
+        ("layers", ", ".join(described["layers"])),
+        ("default prim", described["default_prim"] or "none"),
+        ("up axis", described["up_axis"]),
+        ("metres per unit", f"{described['meters_per_unit']:g}"),
+        ("time codes per second", f"{described['time_codes_per_second']:g}"),
+        ("frames per second", "not authored" if frames is None else f"{frames:g}"),
+        ("range of the stage", "not authored" if None in (start, end) else f"{start:g} to {end:g}"),
+    ]
+
+
+def _animation_rows(animation: dict[str, Any]) -> list[tuple[str, str]]:
+    rows = [("drives", ", ".join(animation["skeletons"]) or "no skeleton")]
+    if animation["instances"]:
+        rows.append(("also at", ", ".join(animation["instances"])))
+    if animation["error"] is not None:
+        return [*rows, ("error", animation["error"])]
+    rows.append(("joints", f"{animation['joints']}, {animation['still_joints']} never move"))
+    if animation["blend_shapes"]:
+        rows.append(("blend shapes", str(animation["blend_shapes"])))
+    rows.append(("metres per unit", f"{animation['meters_per_unit']:g}"))
+    for name, channel in animation["channels"].items():
+        samples = counted(channel["samples"], "sample")
+        words = [f"{samples} from {channel['from']}" if channel["samples"] else "one value"]
+        if channel["held_gaps"]:
+            words.append(counted(channel["held_gaps"], "held gap"))
+        if channel["value_blocks"]:
+            words.append(counted(channel["value_blocks"], "value block"))
+        rows.append((name, ", ".join(words)))
+    if animation["samples"] is None:
+        rows.append(("motion", "none"))
+    else:
+        (first, last), (start, end) = animation["codes"], animation["seconds"]
+        even = "evenly" if animation["evenly_spaced"] else "not evenly"
+        alike = len({channel["samples"] for channel in animation["channels"].values() if channel["samples"] > 1}) == 1
+        together = "" if alike else ", all attributes together"
+        rows += [
+            ("time codes", f"{first:g} to {last:g}"),
+            ("seconds", f"{start:g} to {end:g}, {end - start:g} long"),
+            ("rate", f"{animation['samples_per_second']:g} samples per second, {even} spaced{together}"),
+        ]
+    n_source = animation["samples_of_source"] or 0
+    if any(1 < channel["samples"] < n_source for channel in animation["channels"].values()):
+        rows.append(("source had", f"{n_source} samples; usd_tools.upsample --times source restores them"))
+    if animation["stepped_pairs"]:
+        rows.append(("stepped pairs", str(animation["stepped_pairs"])))
+    step = animation["largest_step"]
+    if step is not None:
+        where = f"joint {step['joint']}, time code {step['start']:g} to {step['end']:g}"
+        rows.append(("largest step", f"{step['degrees']:.1f} degrees: {where}"))
+        rows.append((f"steps over {WIDE_DEGREES:g} degrees", str(len(animation["wide_steps"]))))
+        rows.append(("sign flips", str(animation["sign_flips"])))
+        rows.append(("quaternions not of length 1", str(animation["not_unit_quaternions"])))
+    metric = animation["metric"]
+    rows.append(("stored metric", "none" if metric is None else metric["error"] or metric["summary"]))
+    return rows
