@@ -184,6 +184,9 @@ def _add_times(parse: argparse.ArgumentParser) -> None:
     )
     cuts.add_argument("--no-cuts", action="store_true", help="lead the motion through every jump")
     parse.add_argument(
+        "--no-xforms", action="store_true", help="leave the transforms that move a character as a whole as they are"
+    )
+    parse.add_argument(
         "--retime",
         action="store_true",
         help="with --fps: set the stage to F time codes per second, so that the new samples are whole frames; the "

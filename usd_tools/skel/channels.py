@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -129,14 +129,22 @@ def sampled_alike(channels: Mapping[str, Channel]) -> list[tuple[str, ...]]:
 
 def write_samples(spec: Sdf.AttributeSpec, channel: Channel, offset: Sdf.LayerOffset | None = None) -> None:
     """Write the samples of a channel, and no others, to an attribute; an offset maps time codes to the layer's."""
-    kind, block = CHANNELS[channel.name], Sdf.ValueBlock()
+    kind = CHANNELS[channel.name]
+    write_values(spec, channel, [kind.to_usd(values) for values in channel.values], offset)
+
+
+def write_values(
+    spec: Sdf.AttributeSpec, channel: Channel, values: Sequence[Any], offset: Sdf.LayerOffset | None = None
+) -> None:
+    """Write values of USD at the time codes of a channel, blocks where it has blocks; see `write_samples`."""
+    block = Sdf.ValueBlock()
     spec.ClearInfo("timeSamples")
     layer, path, codes = spec.layer, spec.path, channel.codes.tolist()
     if offset is not None and not offset.IsIdentity():
         codes = [offset * code for code in codes]
     with Sdf.ChangeBlock():
-        for code, values, is_blocked in zip(codes, channel.values, channel.blocked, strict=True):
-            layer.SetTimeSample(path, code, block if is_blocked else kind.to_usd(values))
+        for code, value, is_blocked in zip(codes, values, channel.blocked, strict=True):
+            layer.SetTimeSample(path, code, block if is_blocked else value)
 
 
 def read_channel(prim: Usd.Prim, name: str, size: int) -> Channel | None:
@@ -162,7 +170,7 @@ def read_channel(prim: Usd.Prim, name: str, size: int) -> Channel | None:
     """
     kind, attribute = CHANNELS[name], prim.GetAttribute(name)
     try:
-        codes, raw, source = _samples(attribute)
+        codes, raw, source = read_samples(attribute)
     except TypeError as error:  # of a damaged file OpenUSD may give what Python has no type for
         raise ToolError(
             f"{prim.GetPath()}: {name} has a value of a type that attributes do not have; repair the file."
@@ -189,8 +197,14 @@ def read_channel(prim: Usd.Prim, name: str, size: int) -> Channel | None:
     return Channel(name, np.array(codes, dtype=np.float64), values, blocked, default, source)
 
 
-def _samples(attribute: Usd.Attribute) -> tuple[list[float], list[Any], str]:
-    """Return time codes and values of an attribute's samples, and where they come from."""
+def read_samples(attribute: Usd.Attribute) -> tuple[list[float], list[Any], str]:
+    """Read the time codes and values of an attribute's samples, and where they come from, as in `Channel`.
+
+    Raises
+    ------
+    ToolError
+        If no layer holds them.
+    """
     codes = attribute.GetTimeSamples() if attribute else []
     if not codes:
         return [], [], ""

@@ -11,7 +11,7 @@ import numpy as np
 from geomstats_anim import SCHEMES, Animation, LearnedMetric
 from geomstats_anim.interpolation.curves import Curve, Fallback
 from usd_tools.console.errors import ToolError
-from usd_tools.skel.channels import Channel, sampled_alike
+from usd_tools.skel.channels import Channel, sampled_alike, step_pairs
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.frame_rates import rate_like
 
@@ -59,14 +59,20 @@ def with_codes(clip: SkelClip, codes: np.ndarray, nearest: float | None = None) 
     -------
     codes : array-like, shape=[F']
     """
-    keys = clip.codes
+    return merged_codes(clip.codes, codes, clip.codes_per_second, nearest)
+
+
+def merged_codes(
+    keys: np.ndarray, codes: np.ndarray, codes_per_second: float, nearest: float | None = None
+) -> np.ndarray:
+    """Return the time codes of samples, shape=[K], and others that lie between them; see `with_codes`."""
     if nearest is None:
         gaps = [np.diff(some) for some in (keys, np.unique(codes)) if len(some) > 1]
         nearest = SNAP * min((float(np.median(each)) for each in gaps if len(each)), default=0.0)
     codes = np.unique(codes[(codes > keys[0]) & (codes < keys[-1])])
     segment = np.searchsorted(keys, codes, side="right") - 1
     far = np.minimum(codes - keys[segment], keys[segment + 1] - codes) > nearest
-    return np.union1d(keys, codes[far & ~clip.steps[segment]])
+    return np.union1d(keys, codes[far & ~step_pairs(keys, codes_per_second)[segment]])
 
 
 def at_rate(clip: SkelClip, rate: float) -> np.ndarray:
@@ -147,7 +153,7 @@ def resample(
     if metric is not None:
         metric, _ = metric.for_joints(clip.skeleton.joints)
     animated = {name: channel for name, channel in clip.channels.items() if channel.is_animated}
-    filled = {name: _held(channel, codes) for name, channel in animated.items()}
+    filled = {name: held(channel, codes) for name, channel in animated.items()}
     fallbacks: list[Fallback] = []
     n_spans = sum(len(clip.spans(name)) for name in animated)
     weights = animated.pop("blendShapeWeights", None)
@@ -213,7 +219,7 @@ def animation_of(clip: SkelClip) -> Animation:
     return together.keys(names, ~together.channels[names[0]].blocked)
 
 
-def _held(channel: Channel, codes: np.ndarray) -> Channel:
+def held(channel: Channel, codes: np.ndarray) -> Channel:
     """Hold every sample of a channel until the next, and the first one before; value blocks block, and stay alone."""
     last = np.maximum(np.searchsorted(channel.codes, codes, side="right") - 1, 0)
     kept = ~channel.blocked[last] | np.isin(codes, channel.codes)

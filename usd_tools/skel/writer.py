@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ from usd_tools.files.packages import pack, unpack
 from usd_tools.files.paths import relative_asset_path
 from usd_tools.files.stages import export_layer
 from usd_tools.metrics.attributes import NAMESPACE, write_metric, write_source_codes, write_summary
-from usd_tools.skel.channels import CHANNELS, Channel, write_samples
+from usd_tools.skel.channels import CHANNELS, Channel, write_samples, write_values
 from usd_tools.skel.find import AnimationSource
 from usd_tools.skel.instancing import editable_paths
 
@@ -111,6 +111,13 @@ class AnimationLayer:
             for skeleton in source.skeletons:
                 if not skeleton.IsInstanceProxy():
                     write_summary(self.prim(skeleton.GetPath()), metric)
+
+    def write_values(self, attribute: Usd.Attribute, channel: Channel, values: Sequence[Any]) -> None:
+        """Write the samples of any other attribute of the stage, all of them."""
+        spec = self.prim(attribute.GetPrim().GetPath())
+        name = attribute.GetName()
+        own = spec.attributes.get(name) or Sdf.AttributeSpec(spec, name, attribute.GetTypeName())
+        write_values(own, channel, values, self.offset)
 
 
 class OverrideLayer(AnimationLayer):

@@ -57,6 +57,8 @@ class UpsampleOptions(OutputOptions):
         Time codes at which the pose is held until the next sample, instead of where it is found to jump.
     no_cuts : bool
         Lead the motion through every jump.
+    no_xforms : bool
+        Leave the transforms that move a character as a whole as they are.
     dry_run : bool
         Do all but write.
     verbose : bool
@@ -77,6 +79,7 @@ class UpsampleOptions(OutputOptions):
     joint: tuple[Style, ...] = option((), several(_style))
     cut: TimeCodes | None = option(None, as_time_codes)
     no_cuts: bool = option(False, bool)
+    no_xforms: bool = option(False, bool)
     dry_run: bool = option(False, bool, recorded=False)
     verbose: bool = option(False, bool, recorded=False)
 

@@ -41,6 +41,8 @@ class UpsampledAnimation:
     stepped_pairs : int
     cuts : tuple of dict
         Gaps between samples in which the pose is held: start, end (time codes).
+    xforms : tuple of dict
+        Transform ops that got samples as well: attribute (path), samples_before, samples_after.
     largest_step : dict or None
         joint, start, end (time codes), degrees.
     wide_steps : tuple of dict
@@ -67,6 +69,7 @@ class UpsampledAnimation:
     channels: dict[str, dict[str, int]]
     stepped_pairs: int
     cuts: tuple[dict[str, float], ...]
+    xforms: tuple[dict[str, Any], ...]
     largest_step: dict[str, Any] | None
     wide_steps: tuple[dict[str, Any], ...]
     fallbacks: tuple[dict[str, Any], ...]

@@ -25,6 +25,7 @@ from usd_tools.skel.rate_advice import between_frames
 from usd_tools.skel.resampling import at_rate, resample, subdivided, with_codes, without_cuts
 from usd_tools.skel.time_codes import clips_with_source_codes, codes_for
 from usd_tools.skel.writer import AnimationLayer
+from usd_tools.skel.xforms import find_xform_ops, resample_op, usd_values
 from usd_tools.upsampling.metric import ChosenMetric, choose_metrics
 from usd_tools.upsampling.options import UpsampleOptions
 from usd_tools.upsampling.result import TOOL, UpsampledAnimation, UpsampleResult
@@ -138,7 +139,18 @@ def _upsampled(
             bar.advance(share * amount)
 
         results.append(resample(clip, codes, chosen.metric.scheme, chosen.metric, advance))
-    return [UpsampledClip(*parts) for parts in zip(clips, targets, metrics, results, strict=True)]
+    upsampled = [UpsampledClip(*parts) for parts in zip(clips, targets, metrics, results, strict=True)]
+    return upsampled if options.no_xforms else [_with_xforms(each, options, messages) for each in upsampled]
+
+
+def _with_xforms(upsampled: UpsampledClip, options: UpsampleOptions, messages: Messages) -> UpsampledClip:
+    """Give samples to the transforms that move the character as a whole."""
+    found = find_xform_ops(upsampled.clip.source)
+    for note in found.notes:
+        messages.warn(note)
+    scheme, look_for_cuts = upsampled.chosen.metric.scheme, options.cut is None and not options.no_cuts
+    resampled = [resample_op(op, upsampled.clip, upsampled.codes, scheme, look_for_cuts) for op in found.ops]
+    return replace(upsampled, xforms=tuple(zip(found.ops, resampled, strict=True)))
 
 
 def _animated(path: Path, sources: list[AnimationSource], messages: Messages) -> list[SkelClip]:
@@ -225,6 +237,8 @@ def _write(layer: AnimationLayer, clips: Sequence[UpsampledClip], messages: Mess
     for each in clips:
         metric = each.chosen.metric if each.clip.joints else None
         layer.write_animation(each.clip.source, each.result.channels, each.clip.missing, metric, messages)
+        for op, channel in each.xforms:
+            layer.write_values(op.attribute, channel, usd_values(op, channel.values[:, 0]))
 
 
 def _described(

@@ -10,10 +10,12 @@ import numpy as np
 from geomstats_anim.interpolation.curves import Fallback
 from usd_tools.console.text import counted, say, short_names
 from usd_tools.metrics.attributes import summary
+from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.rate_advice import written_at
 from usd_tools.skel.resampling import Resampled
 from usd_tools.skel.rotation_checks import WIDE_DEGREES, largest_step, rotation_steps, wide_steps
+from usd_tools.skel.xforms import XformOp
 from usd_tools.upsampling.metric import ChosenMetric
 from usd_tools.upsampling.result import UpsampledAnimation, UpsampleResult
 
@@ -23,12 +25,13 @@ _NAMED_CUTS = 5
 
 @dataclass(frozen=True, eq=False)
 class UpsampledClip:
-    """One animation: its source, where its samples go, the metric, and the new samples."""
+    """One animation: its source, where its samples go, the metric, the new samples, and those of transform ops."""
 
     clip: SkelClip
     codes: np.ndarray
     chosen: ChosenMetric
     result: Resampled
+    xforms: tuple[tuple[XformOp, Channel], ...] = ()
 
 
 def warnings_of(upsampled: UpsampledClip, verbose: bool) -> list[str]:
@@ -54,6 +57,8 @@ def _print_animation(animation: UpsampledAnimation, verbose: bool) -> None:
         say(animation.learned)
     how = _how(animation) if animation.joints else "blend shapes, linear"
     say(f"{animation.prim}: {_growth(animation)}, {counted(animation.joints, 'joint')}; {how}")
+    for xform in animation.xforms:
+        say(f"  {xform['attribute']}: {xform['samples_before']} -> {xform['samples_after']} samples")
     if verbose:
         say(f"  drives {', '.join(animation.skeletons) or 'no skeleton'}")
         if animation.metric_summary is not None:
@@ -160,6 +165,14 @@ def describe(upsampled: UpsampledClip) -> UpsampledAnimation:
         },
         stepped_pairs=int(clip.steps.sum()),
         cuts=tuple({"start": start, "end": end} for start, end in clip.cuts.tolist()),
+        xforms=tuple(
+            {
+                "attribute": str(op.attribute.GetPath()),
+                "samples_before": len(op.channel.codes),
+                "samples_after": len(channel.codes),
+            }
+            for op, channel in upsampled.xforms
+        ),
         largest_step=None if largest is None else asdict(largest),
         wide_steps=tuple(asdict(step) for step in wide_steps(clip, degrees)),
         fallbacks=tuple(

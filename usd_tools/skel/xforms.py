@@ -1,0 +1,195 @@
+"""Find the transform ops that move a character as a whole, and interpolate them as its joints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from pxr import Gf, Usd, UsdGeom, UsdLux, UsdSkel
+
+from geomstats_anim import SCHEMES, Animation, Skeleton
+from geomstats_anim.rotations import IDENTITY
+from usd_tools.skel.channels import Channel, read_samples
+from usd_tools.skel.clip import SkelClip
+from usd_tools.skel.cuts import find_cuts
+from usd_tools.skel.find import AnimationSource
+from usd_tools.skel.resampling import held, merged_codes
+from usd_tools.skel.xform_motion import Codec, Parts, codec_of
+
+_ONE = Skeleton(("xform",), np.array([-1]), np.zeros((1, 3)), IDENTITY[None])
+
+
+@dataclass(frozen=True, eq=False)
+class XformOp:
+    """A transform op that has samples.
+
+    Parameters
+    ----------
+    attribute : Usd.Attribute
+    channel : Channel
+        One element, whose numbers are as in `codec_of`.
+    codec : Codec
+    """
+
+    attribute: Usd.Attribute
+    channel: Channel
+    codec: Codec
+
+
+class FoundOps(NamedTuple):
+    """The ops that move a character, and sentences on those that cannot be interpolated."""
+
+    ops: tuple[XformOp, ...]
+    notes: tuple[str, ...]
+
+
+def find_xform_ops(source: AnimationSource) -> FoundOps:
+    """Find the sampled transform ops of an animation's skeletons and of what is above them.
+
+    Parameters
+    ----------
+    source : AnimationSource
+
+    Returns
+    -------
+    found : FoundOps
+    """
+    ops: dict[str, XformOp] = {}
+    notes: dict[str, None] = {}
+    for prim in _prims_above(source):
+        for op in UsdGeom.Xformable(prim).GetOrderedXformOps():
+            attribute = op.GetAttr()
+            path = str(attribute.GetPath())
+            if path in ops or attribute.GetNumTimeSamples() < 2:
+                continue
+            channel = _read(attribute)
+            if not channel.is_animated or channel.is_constant:
+                continue
+            op_type = op.GetOpTypeToken(op.GetOpType())
+            codec = codec_of(op_type, channel.values[~channel.blocked, 0])
+            reason = _reason_to_leave(prim, source, codec)
+            if reason or codec is None:
+                notes[f"{path} keeps its {len(channel.codes)} samples: {reason}."] = None
+            else:
+                ops[path] = XformOp(attribute, channel, codec)
+    return FoundOps(tuple(ops.values()), tuple(notes))
+
+
+def _prims_above(source: AnimationSource) -> Iterator[Usd.Prim]:
+    """Yield the skeletons, and the prims above whose transforms reach them."""
+    for skeleton in source.skeletons:
+        prim = skeleton
+        while prim and not prim.IsPseudoRoot():
+            if prim.IsA(UsdGeom.Xformable):
+                yield prim
+                if UsdGeom.Xformable(prim).GetResetXformStack():
+                    break
+            prim = prim.GetParent()
+
+
+def _reason_to_leave(prim: Usd.Prim, source: AnimationSource, codec: Codec | None) -> str:
+    if prim.IsInstanceProxy():
+        return "it is inside an instance"
+    if not _is_own(prim, source):
+        return f"it moves more than {source.path} does; give it samples by other means, or --no-xforms to leave all"
+    return "" if codec else "its matrices are not exactly a scale, a turn and a move"
+
+
+def _is_own(prim: Usd.Prim, source: AnimationSource) -> bool:
+    """Whether a prim moves nothing but the skeletons of an animation, and what is in their SkelRoots."""
+    own = {skeleton.GetPath() for skeleton in source.skeletons}
+    below = Usd.PrimRange(prim, Usd.TraverseInstanceProxies())
+    if any(each.IsA(UsdSkel.Skeleton) and each.GetPath() not in own for each in below):
+        return False
+    below = iter(Usd.PrimRange(prim, Usd.TraverseInstanceProxies()))
+    for each in below:
+        if each.IsA(UsdSkel.Root) or each.IsA(UsdSkel.Skeleton):
+            if any(path.HasPrefix(each.GetPath()) for path in own):
+                below.PruneChildren()
+                continue
+        if each.IsA(UsdGeom.Boundable) or each.IsA(UsdGeom.Camera) or each.HasAPI(UsdLux.LightAPI):
+            return False
+    return True
+
+
+def _read(attribute: Usd.Attribute) -> Channel:
+    codes, raw, source = read_samples(attribute)
+    blocked = np.array([not isinstance(value, _TYPES) for value in raw])
+    live = [_numbers(value) for value, is_blocked in zip(raw, blocked, strict=True) if not is_blocked]
+    values = np.zeros((len(codes), 1, len(live[0]) if live else 1))
+    values[~blocked, 0] = live
+    return Channel(attribute.GetName(), np.array(codes), values, blocked, values[0], source)
+
+
+_QUATERNIONS = (Gf.Quath, Gf.Quatf, Gf.Quatd)
+_TYPES = (*_QUATERNIONS, Gf.Vec3h, Gf.Vec3f, Gf.Vec3d, Gf.Matrix4d, float)
+
+
+def _numbers(value: Any) -> np.ndarray:
+    if isinstance(value, _QUATERNIONS):
+        return np.array([*value.imaginary, value.real], dtype=np.float64)
+    return np.array(value, dtype=np.float64).ravel()
+
+
+def usd_values(op: XformOp, numbers: np.ndarray) -> list[Any]:
+    """Turn numbers of an op, shape=[F, C], into values of its attribute."""
+    make = type(op.attribute.GetTypeName().defaultValue)
+    rows = numbers.tolist()
+    if make in _QUATERNIONS:
+        return [make(w, x, y, z) for x, y, z, w in rows]
+    return [make(*row) for row in rows]
+
+
+def resample_op(op: XformOp, clip: SkelClip, codes: np.ndarray, scheme: str, look_for_cuts: bool) -> Channel:
+    """Interpolate an op at the samples of its character; samples stay bit for bit.
+
+    Parameters
+    ----------
+    op : XformOp
+    clip : SkelClip
+        The character.
+    codes : array-like, shape=[F]
+        Time codes of the character's samples.
+    scheme : str
+        A name in `SCHEMES`.
+    look_for_cuts : bool
+        Whether jumps of the op itself are cuts, besides those of the clip.
+
+    Returns
+    -------
+    channel : Channel
+    """
+    channel, rate = op.channel, clip.codes_per_second
+    cuts = np.concatenate([clip.cuts, _jumps(op, rate)]) if look_for_cuts else clip.cuts
+    filled = held(channel, merged_codes(channel.codes, codes, rate))
+    for span in channel.stretches(rate, cuts):
+        keys, numbers = channel.codes[span], channel.values[span, 0]
+        inside = (filled.codes > keys[0]) & (filled.codes < keys[-1]) & ~np.isin(filled.codes, keys)
+        segment = np.searchsorted(keys, filled.codes[inside], side="right") - 1
+        places = np.flatnonzero(inside)[~channel.holds[span.start + segment, 0]]
+        if not len(places):
+            continue
+        times = filled.codes[places]
+        dense = SCHEMES[scheme](_animation(op.codec.split(numbers), keys / rate))(times / rate)
+        assert dense.scales is not None
+        parts = Parts(dense.rotations[:, 0], dense.translations[:, 0], dense.scales[:, 0])
+        segment = np.searchsorted(keys, times, side="right") - 1
+        filled.values[places, 0] = op.codec.join(parts, numbers, segment)
+    return filled
+
+
+def _jumps(op: XformOp, rate: float) -> np.ndarray:
+    """Find cuts in an op alone, shape=[C, 2]."""
+    found = [np.zeros((0, 2))]
+    for span in op.channel.spans:
+        codes = op.channel.codes[span]
+        before = np.flatnonzero(find_cuts(_animation(op.codec.split(op.channel.values[span, 0]), codes / rate)))
+        found.append(np.stack([codes[before], codes[before + 1]], axis=-1))
+    return np.concatenate(found)
+
+
+def _animation(parts: Parts, times: np.ndarray) -> Animation:
+    """Make an animation of one joint that moves as an op does."""
+    return Animation(_ONE, times, parts.turns[:, None], parts.path[:, None], parts.sizes[:, None])
