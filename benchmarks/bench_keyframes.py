@@ -34,6 +34,7 @@ from geomstats_anim import (  # noqa: E402
     uniform_keyframes,
 )
 from geomstats_anim.criteria import location_errors  # noqa: E402
+from geomstats_anim.keyframes import coarse_to_fine  # noqa: E402
 from usd_tools.files.stages import open_stage  # noqa: E402
 from usd_tools.skel.clip import read_clip  # noqa: E402
 from usd_tools.skel.find import find_animations  # noqa: E402
@@ -48,6 +49,9 @@ SLERP_BARS, LEARNED_BARS, TOLERANCE_BAR = (0.85, 0.75), (0.70, 0.55), 0.6
 
 LONG = {300: (10.0, None), 3000: (120.0, 1024.0)}
 """Frames of 70 joints: seconds and MiB that they may take."""
+
+FEW_KEYS, FEW_SECONDS, NEAR_OPTIMUM = (20_000, 10), 120.0, 1.02
+"""Frames of 70 joints and keys to choose for slerp; seconds; and the share of the exact optimum, where it is known."""
 
 _CHILD = "--long"
 
@@ -132,6 +136,31 @@ def long_run(n_frames: int) -> None:
         print(f"{words}|{len(kept.keyframes[0])}|{seconds:.1f}|{mib:.0f}", flush=True)
 
 
+def few_keys() -> bool:
+    """Choose few keys of a long clip, and of one that is short enough for an exact choice; print both."""
+    n_frames, count = FEW_KEYS
+    animation = make_long(n_frames)
+    optimal_keyframes(make_long(40), 5)  # compiles
+    start = time.perf_counter()
+    optimal_keyframes(animation, count)
+    seconds = time.perf_counter() - start
+    met = seconds <= FEW_SECONDS
+    print(f"{count} of {n_frames} x 70 for slerp: {seconds:.1f} s (bar {FEW_SECONDS:g} s): {verdict(met)}", flush=True)
+    short, usual = make_long(300, 20), (coarse_to_fine._AFFORDABLE, coarse_to_fine._COARSE)
+    coarse_to_fine._COARSE = 1.5e6  # as coarse, for its length, as a clip that takes too long
+    for few in (3, 5, 10, 20):
+        errors = []
+        for affordable in (np.inf, 0.0):
+            coarse_to_fine._AFFORDABLE = affordable
+            kept = optimal_keyframes(short, few)
+            errors.append(quality(interpolate(short.at_frames(kept), short.times, "slerp"), short))
+        ratio = errors[1] / errors[0]
+        met &= ratio <= NEAR_OPTIMUM
+        print(f"{few} of 300 x 20, coarse to fine: {ratio:.4f} of the optimum: {verdict(ratio <= NEAR_OPTIMUM)}")
+    coarse_to_fine._AFFORDABLE, coarse_to_fine._COARSE = usual
+    return met
+
+
 def verdict(met: bool) -> str:
     """Word for the last column."""
     return "ok" if met else "MISSED"
@@ -195,6 +224,8 @@ def main() -> int:
                 flush=True,
             )
             met.append(ok)
+    if not args.quick:
+        met.append(few_keys())
     return 0 if all(met) else 1
 
 

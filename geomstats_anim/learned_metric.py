@@ -25,7 +25,7 @@ _PERFECT = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class LearnedMetric:
-    """Metric parameters that know their joints' names, and where they come from.
+    """Metric parameters with the names of their joints and their provenance.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class LearnedMetric:
     Raises
     ------
     ValueError
-        If the sizes do not fit, a tension is not a number, or provenance holds what JSON cannot.
+        If the sizes do not fit, a tension is not a number, or provenance has a value that JSON cannot store.
     """
 
     joints: tuple[str, ...]
@@ -79,23 +79,23 @@ class LearnedMetric:
         try:
             json.dumps(dict(self.provenance), allow_nan=False)
         except (TypeError, ValueError) as error:
-            raise ValueError(f"provenance holds what JSON cannot: {error}.") from error
+            raise ValueError(f"provenance has a value that JSON cannot store: {error}.") from error
         object.__setattr__(self, "provenance", dict(self.provenance))
 
     @classmethod
     def plain(cls, joints: Sequence[str], scheme: str, tension: float | None = None) -> LearnedMetric:
-        """Make the metric for which nothing was learned: bi-invariant, with the scheme's usual tension or another."""
+        """Return the bi-invariant metric, with the scheme's usual tension or another."""
         tensions = None if tension is None else np.full(len(joints), tension)
         metric = MetricParameters.identity(len(joints))
         return cls(tuple(joints), metric, tensions, scheme, translation_tension=tensions)  # type: ignore[arg-type]
 
     @property
     def curve(self) -> CurveParameters:
-        """Its parameters without the names."""
+        """Return the parameters without the names."""
         return CurveParameters(self.parameters, self.tension, self.translation_tension)
 
     def for_scheme(self, scheme: str) -> LearnedMetric:
-        """Take the metric for another scheme; its tension is the usual one, as what was learned says nothing of it."""
+        """Return the metric for another scheme, with that scheme's usual tension, which was not learned."""
         usual = CurveParameters.plain(scheme, len(self.joints)).tension
         return self if scheme == self.scheme else replace(self, scheme=scheme, tension=usual, translation_tension=usual)
 
@@ -143,7 +143,7 @@ class LearnedMetric:
         return matched, missing
 
     def to_json(self) -> str:
-        """Write as JSON, the same text for the same metric."""
+        """Return the metric as JSON, the same text for the same metric."""
         document = {
             "format": "geodesicMetric",
             "version": FORMAT_VERSION,
@@ -222,31 +222,31 @@ class Score:
 
     @property
     def rival(self) -> str:
-        """The better of what needs no learning: "slerp" or "the plain spline"."""
+        """Return the better of what needs no learning: "slerp" or "the plain spline"."""
         return "slerp" if self.slerp <= self.plain + _PERFECT else "the plain spline"
 
     @property
     def beside_rival(self) -> str:
-        """How it compares with the rival, in words."""
+        """Return how it compares with the rival, in words."""
         return f"{100.0 * abs(self.gain):.1f} % {'better' if self.gain >= 0.0 else 'worse'} than {self.rival}"
 
     @property
     def gain(self) -> float:
-        """Share of the rival's error that is saved; negative where it loses."""
+        """Return the share of the rival's error that is saved; negative where it loses."""
         least = min(self.slerp, self.plain)
         return (least - self.learned) / max(least, _PERFECT)
 
     @property
     def ties(self) -> bool:
-        """Whether the difference is too small to matter."""
+        """Return whether the difference is too small to matter."""
         return abs(self.gain) <= _TIE
 
     @property
     def loses(self) -> bool:
-        """Whether it is worse than its rival."""
+        """Return whether it is worse than its rival."""
         return self.gain < -_TIE
 
     @property
     def verdict(self) -> str:
-        """Say so, as in "loses to slerp"."""
+        """Return the comparison in words, such as "loses to slerp"."""
         return f"{'ties with' if self.ties else 'loses to' if self.loses else 'beats'} {self.rival}"

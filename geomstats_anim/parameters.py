@@ -1,4 +1,4 @@
-"""The parameters of a metric on the pose Lie group, one matrix and one side a joint."""
+"""The parameters of a metric on the pose Lie group, one matrix and one side per joint."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class MetricParameters:
         Rotation vectors of P, radians.
         Optional, default: None, all matrices diagonal.
     invariance : str or sequence of str, shape=[B]
-        "left" or "right", for all joints or one a joint.
+        "left" or "right", for all joints or one per joint.
         Optional, default: "left".
 
     Raises
@@ -60,7 +60,7 @@ class MetricParameters:
         alpha = np.atleast_1d(np.array(self.alpha, dtype=np.float64))
         beta = np.atleast_1d(np.array(self.beta, dtype=np.float64))
         if alpha.ndim != 1 or alpha.shape != beta.shape:
-            raise ValueError(f"alpha has shape {alpha.shape} and beta {beta.shape}; one number a joint is needed.")
+            raise ValueError(f"alpha has shape {alpha.shape} and beta {beta.shape}; one number per joint is needed.")
         for name, values in (("alpha", alpha), ("beta", beta)):
             bad = np.flatnonzero(~(np.isfinite(values) & (values > 0.0)))
             if len(bad):
@@ -94,7 +94,7 @@ class MetricParameters:
 
     @classmethod
     def identity(cls, n_joints: int) -> MetricParameters:
-        """Bi-invariant metric, whose geodesics are slerp."""
+        """Return the bi-invariant metric, whose geodesics are slerp."""
         return cls(np.ones(n_joints), np.ones(n_joints))
 
     @classmethod
@@ -143,17 +143,17 @@ class MetricParameters:
 
     @property
     def n_joints(self) -> int:
-        """Number of joints, B."""
+        """Return the number of joints, B."""
         return len(self.alpha)
 
     @property
     def moments(self) -> Array:
-        """Principal moments (1, alpha, beta), shape=[B, 3]."""
+        """Return the principal moments (1, alpha, beta), shape=[B, 3]."""
         return np.stack([np.ones_like(self.alpha), self.alpha, self.beta], axis=-1)
 
     @property
     def axes_quaternions(self) -> Array:
-        """Rotations P as unit quaternions, shape=[B, 4]."""
+        """Return the rotations P as unit quaternions, shape=[B, 4]."""
         if self.axes is None:
             return np.tile(quat.IDENTITY, (self.n_joints, 1))
         return quat.exp(self.axes)
@@ -174,7 +174,7 @@ class MetricParameters:
 
     @property
     def matrices(self) -> Array:
-        """Matrices Z at the identity, shape=[B, 3, 3]."""
+        """Return the matrices Z at the identity, shape=[B, 3, 3]."""
         if self.axes is None:
             return self.moments[:, :, None] * np.eye(3)
         rotation = quat.to_matrix(self.axes_quaternions)
@@ -182,13 +182,13 @@ class MetricParameters:
 
     @property
     def is_right(self) -> np.ndarray:
-        """Whether each joint's metric is right-invariant, shape=[B]."""
+        """Return whether each joint's metric is right-invariant, shape=[B]."""
         return np.array([side == "right" for side in self.invariance], dtype=bool)
 
 
 @dataclass(frozen=True, eq=False)
 class CurveParameters:
-    """What a curve through keys depends on: a metric, and how far it is bent towards a smooth one.
+    """Parameters of a curve through keys: a metric, and how far the curve is bent towards a smooth one.
 
     Parameters
     ----------
@@ -221,17 +221,17 @@ class CurveParameters:
 
     @classmethod
     def geodesic(cls, metric: MetricParameters) -> CurveParameters:
-        """Bend nothing."""
+        """Return the curve that is not bent: the geodesics themselves."""
         return cls(metric, np.zeros(metric.n_joints), np.zeros(metric.n_joints))
 
     @classmethod
     def spline(cls, metric: MetricParameters) -> CurveParameters:
-        """Let velocities be continuous."""
+        """Return the curve with continuous velocity."""
         return cls(metric, np.ones(metric.n_joints), np.ones(metric.n_joints))
 
     @classmethod
     def plain(cls, scheme: str, n_joints: int) -> CurveParameters:
-        """Curve of a scheme with the bi-invariant metric: slerp, or the spline that is its like."""
+        """Return the curve of a scheme with the bi-invariant metric: slerp, or the plain spline."""
         make = cls.spline if scheme == "geodesic-spline" else cls.geodesic
         return make(MetricParameters.identity(n_joints))
 

@@ -1,4 +1,4 @@
-"""What every interpolation scheme is: an object made from keys, and then called with times, as in `scipy.interpolate`.
+"""The interface of all interpolation schemes: made from keys, then called with times, as in `scipy.interpolate`.
 
 Outside the range of its keys, a curve holds the first or the last one.
 """
@@ -19,7 +19,7 @@ from geomstats_anim.parameters import MetricParameters
 from geomstats_anim.rotations import Array
 
 Metric = MetricParameters | LearnedMetric
-"""What a scheme accepts as its metric."""
+"""Metrics that a scheme accepts."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Fallback:
 class Curve(ABC):
     """A curve through the frames of an animation, which are its keys.
 
-    A scheme tells its rotations and their rates at shares of the segments between keys, and its translations where
+    A scheme defines its rotations and their rates at shares of the segments between keys, and its translations where
     they are not on straight lines, as scales always are.
 
     Parameters
@@ -81,7 +81,7 @@ class Curve(ABC):
 
     @abstractmethod
     def _prepare(self, metric: Metric | None) -> None:
-        """Do what is done once, with at least two keys."""
+        """Prepare what does not depend on the times, with at least two keys."""
 
     @abstractmethod
     def _rotations(self, segment: np.ndarray, fraction: Array) -> Array:

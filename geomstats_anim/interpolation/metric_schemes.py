@@ -68,7 +68,7 @@ class GeodesicSpline(Geodesic):
 
 
 def curve_parameters(metric: Metric | None, animation: Animation) -> CurveParameters:
-    """Parameters for the joints of an animation, in its order; the tension is 1 where none is given.
+    """Return the parameters for the joints of an animation, in its order; the tension is 1 where none is given.
 
     Raises
     ------
@@ -80,7 +80,7 @@ def curve_parameters(metric: Metric | None, animation: Animation) -> CurveParame
     if isinstance(metric, LearnedMetric):
         metric, missing = metric.for_joints(animation.skeleton.joints)
         if missing:
-            warnings.warn(f"The metric knows nothing of {', '.join(missing)}; the identity is used.", stacklevel=4)
+            warnings.warn(f"The metric has no entry for {', '.join(missing)}; using the identity.", stacklevel=4)
         return metric.curve
     if metric.n_joints != animation.n_joints:
         raise ValueError(f"The metric has {metric.n_joints} joints, but the animation has {animation.n_joints}.")

@@ -89,7 +89,7 @@ class PoseSpline:
         return self.geodesics.poses(index, turned)
 
     def rates(self, index: np.ndarray, parameter: Array) -> Rates:
-        """Return body angular velocities and accelerations, in radians per second and its square; see a call."""
+        """Return body angular velocities, radians per second, and accelerations, at shares of segments."""
         turned = self.geodesics.turns(index, parameter)
         rates = Rates(*self.geodesics.turn_rates(index, turned))
         if self._velocities is not None:

@@ -34,7 +34,7 @@ STILL = 1e-6
 
 
 class _Rows(NamedTuple):
-    """Equations for the velocities at the keys, a row a key.
+    """Equations for the velocities at the keys, one row per key.
 
     lower v_{k-1} + main v_k + upper v_{k+1} = sources . (w^-_{k-1}, w^+_{k-1}, w^-_k, w^+_k)
 
@@ -50,7 +50,7 @@ class _Rows(NamedTuple):
 
     @property
     def transposed(self) -> Array:
-        """Coefficients of the transposed equations."""
+        """Return the coefficients of the transposed equations."""
         lower, main, upper = self.matrix
         matrix = np.zeros_like(self.matrix)
         matrix[0, 1:], matrix[1], matrix[2, :-1] = upper[:-1], main, lower[1:]

@@ -1,4 +1,4 @@
-"""Which frames to keep."""
+"""Choosing which frames to keep as keys."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any

@@ -1,4 +1,4 @@
-"""What slerping from one frame to another would cost, for every pair of frames that could be neighbouring keys.
+"""Errors of slerp between every pair of frames that could be neighbouring keys, and the best paths over them.
 
 Slerp is the bi-invariant geodesic, and the only scheme whose error between two keys depends on nothing but them: with
 it, choosing keys is a shortest path.
@@ -23,7 +23,7 @@ class UnreachableError(ValueError):
 
 
 class Measure(NamedTuple):
-    """What counts as error.
+    """The definition of error.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Measure(NamedTuple):
 
     @property
     def largest(self) -> bool:
-        """Whether the largest distance counts, and not a sum."""
+        """Return whether the largest distance counts, and not a sum."""
         return self.markers is not None
 
 
@@ -145,7 +145,7 @@ def cheapest(errors: Array, forced: np.ndarray, count: int, largest: bool) -> np
 
 
 class Truth(NamedTuple):
-    """What the compiled code needs to know of an animation and a measure."""
+    """Arrays of an animation and a measure, for the compiled code."""
 
     order: np.ndarray
     parents: np.ndarray

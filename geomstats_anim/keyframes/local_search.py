@@ -47,7 +47,7 @@ Judge = Callable[[np.ndarray], Array]
 def judge_of(
     truth: Animation, measure: Measure, scheme: str, metric: Metric | None, tolerance: float | None = None
 ) -> Judge:
-    """Make a judge of keys.
+    """Make the function that judges keys.
 
     Parameters
     ----------

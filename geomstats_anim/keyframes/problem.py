@@ -1,4 +1,4 @@
-"""Which frames to keep as keys."""
+"""Equally spaced keys, and the problem that optimal keys solve."""
 
 from __future__ import annotations
 
@@ -153,7 +153,7 @@ def optimal_keyframes(
 
 @dataclass(frozen=True, eq=False)
 class KeyProblem:
-    """How many keys to choose, by what, and which frames must be among them.
+    """Number of keys to choose, the criterion, and the frames that must be among them.
 
     Parameters
     ----------
@@ -232,11 +232,11 @@ class KeyProblem:
         return free[cheapest_keys(self.animation, free, forced, count, self.measure, progress)]
 
     def judge(self, scheme: str, metric: Metric | None) -> Judge:
-        """Make what tells the cost of every frame under a scheme."""
+        """Make the function that returns the cost of every frame under a scheme."""
         return judge_of(self.animation, self.measure, scheme, metric, self.tolerance)
 
     def is_within(self, keys: np.ndarray, metric: LearnedMetric) -> bool:
-        """Whether every frame is within the tolerance."""
+        """Return whether every frame is within the tolerance."""
         return bool(self.judge(metric.scheme, metric)(keys).max() <= 1.0)
 
     def refined(self, keys: np.ndarray, scheme: str, metric: Metric | None) -> np.ndarray:
@@ -266,7 +266,7 @@ def _measure(
 
 
 def _holds(animation: Animation) -> tuple[np.ndarray, np.ndarray]:
-    """Frames at both ends of every hold of the whole skeleton, and those within."""
+    """Return the frames at both ends of every hold of the whole skeleton, and those within."""
     first = np.zeros(animation.n_frames, dtype=np.intp)
     hold_starts(np.array(animation.rotations), np.array(animation.translations), STILL, first)
     starts = np.unique(first)

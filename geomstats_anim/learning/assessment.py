@@ -1,4 +1,4 @@
-"""What a learned metric is worth: its score where it was learned, and where it was not, beside what is not learned."""
+"""Scores of a learned metric in and out of sample, beside slerp and its scheme without learning."""
 
 from __future__ import annotations
 

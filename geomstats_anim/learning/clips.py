@@ -50,20 +50,20 @@ class Corpus:
         self._shares = [count / max(1, sum(frames)) for count in frames]
 
     def value(self, curve: CurveParameters) -> float:
-        """Quality; 0 is perfect."""
+        """Return the quality; 0 is perfect."""
         return float(self._mean(Objective.value, curve))
 
     def quality(self, curve: CurveParameters) -> float:
-        """Quality without the smoothing of `value`."""
+        """Return the quality without the smoothing of `value`."""
         return float(self._mean(Objective.quality, curve))
 
     def value_and_gradient(self, curve: CurveParameters) -> tuple[float, Array]:
-        """Quality, and its derivative, shape=[B, 7], as `Objective.value_and_gradient` has it."""
+        """Return the quality, and its derivative, shape=[B, 7], as `Objective.value_and_gradient` has it."""
         values, gradients = zip(*self._clips.each(Objective.value_and_gradient, curve), strict=True)
         return float(self._weigh(values)), np.asarray(self._weigh(gradients))
 
     def rotation_errors_and_gradient(self, curve: CurveParameters, joints: np.ndarray) -> tuple[Array, Array]:
-        """Rotation errors, and their derivatives, of some joints, as `Objective.rotation_errors_and_gradient`."""
+        """Return rotation errors of some joints, and their derivatives, as `Objective.rotation_errors_and_gradient`."""
         run = partial(Objective.rotation_errors_and_gradient, joints=joints)
         errors, gradients = zip(*self._clips.each(run, curve), strict=True)
         return np.asarray(self._weigh(errors)), np.asarray(self._weigh(gradients))
@@ -71,12 +71,12 @@ class Corpus:
     def rotation_errors_by_joint(
         self, curve: CurveParameters, effort: Effort = "thorough", joints: np.ndarray | None = None
     ) -> Array:
-        """Mean rotation error of each joint, radians, as `Objective.rotation_errors_by_joint`."""
+        """Return the mean rotation error of each joint, radians, as `Objective.rotation_errors_by_joint`."""
         run = partial(Objective.rotation_errors_by_joint, effort=effort, joints=joints)
         return np.asarray(self._mean(run, curve))
 
     def errors_by_joint(self, curve: CurveParameters) -> Array:
-        """Rotation error of each joint, and its part of the quality, shape=[2, B], as `Objective.errors_by_joint`."""
+        """Return each joint's rotation error and part of the quality, shape=[2, B], as `Objective.errors_by_joint`."""
         return np.asarray(self._mean(Objective.errors_by_joint, curve))
 
     def _mean(self, function: Callable[..., Any], curve: CurveParameters) -> Any:
@@ -96,7 +96,7 @@ class _Shelf:
         self._folder: tempfile.TemporaryDirectory[str] | None = None
 
     def add(self, objective: Objective) -> int:
-        """Take a clip and tell its number of scored frames."""
+        """Add a clip, and return its number of scored frames."""
         if len(self._clips) < self._in_memory:
             self._clips.append(objective)
         else:

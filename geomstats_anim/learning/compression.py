@@ -32,7 +32,7 @@ _LEAST_GAIN = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Compressed:
-    """What is kept of animations.
+    """Keys of animations, and the metric that rebuilds the other frames.
 
     Parameters
     ----------
@@ -185,10 +185,10 @@ def _nothing(keyframes: Sequence[np.ndarray], family: str | None = None) -> None
 
 
 class Fit(Protocol):
-    """What learns a metric."""
+    """A function that learns a metric."""
 
     def __call__(self, keyframes: Sequence[np.ndarray], family: str | None = None) -> LearnedMetric | None:
-        """Learn one for some keys, of the family that is wanted unless told otherwise; None if nothing turns."""
+        """Learn a metric for some keys, of the usual family unless another is given; None if nothing turns."""
         ...
 
 

@@ -84,7 +84,7 @@ class Search:
 
     @property
     def found(self) -> Found:
-        """The best so far."""
+        """Return the best so far."""
         return Found(self.curve(self.best_point, self.best_sides), self.best_value, self._tally.evaluations)
 
     @staticmethod
@@ -111,7 +111,7 @@ class Search:
         return self._offer(point, sides)[0]
 
     def _offer(self, point: Array, sides: tuple[str, ...]) -> tuple[bool, Array]:
-        """Offer a point, and tell its rotation errors too."""
+        """Offer a point, and return whether it is the best, and its rotation errors."""
         errors, parts = self.objective.errors_by_joint(self.curve(point, sides))
         value = float(parts.sum())
         better = value < self.best_value
@@ -132,7 +132,7 @@ class Search:
         self.offer(np.where(better[:, None], point, self.best_point), tuple(mixed_sides))
 
     def grid(self, side: str, values: Array) -> Array:
-        """Best point of the grid for each joint's own rotation error, shape=[B, 7].
+        """Return the best point of the grid for each joint's own rotation error, shape=[B, 7].
 
         A joint that no point helps, because it does not turn, or about one axis only, stays at the identity.
         """
@@ -146,7 +146,7 @@ class Search:
         return point
 
     def refine(self, point: Array, sides: tuple[str, ...], rounds: int) -> Array:
-        """Follow the gradient of each joint's own rotation error, and tell where to, shape=[B, 7]."""
+        """Follow the gradient of each joint's own rotation error, and return where it leads, shape=[B, 7]."""
         free = [column for column in self._free if column != _TRANSLATION_TENSION]
 
         def placed(values: Array, joints: np.ndarray) -> Array:
@@ -238,7 +238,7 @@ class Search:
         return point, tuple(chosen)
 
     def _rotation_errors(self, point: Array, sides: tuple[str, ...]) -> Array:
-        """Rotation errors of the joints that turn, shape=[B], and those at the start of the others."""
+        """Return the rotation errors of the joints that turn, shape=[B], and those at the start of the others."""
         curve = self.curve(point[self._turning], [sides[joint] for joint in self._turning])
         errors = self._base_errors.copy()
         errors[self._turning] = self.objective.rotation_errors_by_joint(curve, "quick", self._turning)

@@ -43,7 +43,7 @@ def search_gradient(
         "diagonal", or "spd": any symmetric positive definite matrix.
         Optional, default: "diagonal".
     invariance : str
-        "left", "right", "clip" (the better one for all joints) or "joint" (one a joint).
+        "left", "right", "clip" (the better one for all joints) or "joint" (one per joint).
         Optional, default: "joint".
     scheme : str
         "geodesic", or "geodesic-spline", which has tensions.

@@ -48,7 +48,7 @@ def learn_metric(
         Frames that are kept, the first and the last included: one array for each animation.
     search : str
         "gradient": exact gradient, about a second. "tpe-joint": the papers' search over all parameters at once.
-        "tpe": the same engine, one small search a joint. The last two need the extra `tune`.
+        "tpe": the same engine, one small search per joint. The last two need the extra `tune`.
         Optional, default: "gradient".
     purpose : str
         "reconstruct": fit these frames as well as possible, for a metric that travels with the animation.
@@ -59,7 +59,7 @@ def learn_metric(
         "diagonal", or "spd" for any symmetric positive definite matrix.
         Optional, default: "diagonal".
     invariance : str
-        "left", "right", "clip" (one for all joints) or "joint" (one a joint).
+        "left", "right", "clip" (one for all joints) or "joint" (one per joint).
         Optional, default: "joint".
     scheme : str
         Interpolation scheme to learn for.
@@ -124,7 +124,7 @@ def learn_metric(
 
 
 def _provenance(metric: LearnedMetric, training: TrainingSet, settings: LearnSettings, found: Fit) -> dict[str, Any]:
-    """Tell where a metric comes from, and score it beside slerp and its scheme without learning."""
+    """Return where a metric comes from, and its scores beside slerp and its scheme without learning."""
     return {
         "version": __version__,
         "search": settings.search,

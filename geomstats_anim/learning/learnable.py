@@ -1,4 +1,4 @@
-"""What a search for a metric needs of its objective, and what it finds."""
+"""The interface between a search for a metric and its objective, and its result."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from geomstats_anim.rotations import Array
 
 
 class Learnable(Protocol):
-    """What a search needs of its objective."""
+    """The interface of an objective."""
 
     kind: str
 
     @property
     def skeleton(self) -> Skeleton:
-        """The joints."""
+        """Return the skeleton, whose joints have parameters."""
         ...
 
     def value(self, curve: CurveParameters) -> float:

@@ -1,4 +1,4 @@
-"""What learning minimises: the quality of an animation rebuilt from its keys, and its exact gradient by the curve."""
+"""The objective of learning: the quality of an animation rebuilt from its keys, with its exact gradient."""
 
 from __future__ import annotations
 
@@ -74,12 +74,12 @@ class Objective:
 
     @property
     def skeleton(self) -> Skeleton:
-        """The joints of the animation."""
+        """Return the skeleton of the animation."""
         return self.animation.skeleton
 
     @property
     def n_segments(self) -> int:
-        """Number of segments between keys."""
+        """Return the number of segments between keys."""
         return self._keys.n_frames - 1
 
     def only(self, segments: np.ndarray) -> Objective:
@@ -93,7 +93,7 @@ class Objective:
     def rotation_errors_by_joint(
         self, curve: CurveParameters, effort: Effort = "thorough", joints: np.ndarray | None = None
     ) -> Array:
-        """Weighted mean rotation error of each joint, radians, shape=[B]; its minima are independent.
+        """Return the weighted mean rotation error of each joint, radians, shape=[B], each with a minimum of its own.
 
         With the indices of some joints, shape=[J], the curve and the errors are theirs alone.
         """
@@ -105,7 +105,7 @@ class Objective:
         return (weights * _smooth(quat.distance(truth, rotations))).sum(axis=0)
 
     def rotation_errors_and_gradient(self, curve: CurveParameters, joints: np.ndarray) -> tuple[Array, Array]:
-        """Rotation errors as in `rotation_errors_by_joint`, each with its derivative by its own joint's parameters.
+        """Return rotation errors as in `rotation_errors_by_joint`, with derivatives by the joint's own parameters.
 
         Parameters
         ----------
@@ -126,7 +126,7 @@ class Objective:
         return errors, np.concatenate([by_metric, by_tension[:, None], np.zeros((len(joints), 1))], axis=1)
 
     def errors_by_joint(self, curve: CurveParameters) -> Array:
-        """Rotation error of each joint, and its part of the quality, shape=[2, B]; the parts add up to `value`.
+        """Return each joint's rotation error and part of the quality, shape=[2, B]; the parts add up to `value`.
 
         A rotation error depends on the metric and tension of its own joint, a part on those of the joints above it too.
         """
@@ -134,7 +134,7 @@ class Objective:
         return np.stack([(self._weights * errors).sum(axis=0) for errors in (rotation, parts)])
 
     def quality(self, curve: CurveParameters) -> float:
-        """Quality of what `interpolate` makes of the keys, without the smoothing of `value`."""
+        """Return the quality of what `interpolate` makes of the keys, without the smoothing of `value`."""
         return float((self._weights * self._errors(curve, np.abs)[1]).sum())
 
     def _errors(self, curve: CurveParameters, smooth: Callable[[Array], Array]) -> tuple[Array, Array]:
@@ -149,11 +149,11 @@ class Objective:
         return rotation, part
 
     def value(self, curve: CurveParameters) -> float:
-        """Quality of what `interpolate` makes of the keys; 0 is perfect."""
+        """Return the quality of what `interpolate` makes of the keys; 0 is perfect."""
         return float(self.errors_by_joint(curve)[1].sum())
 
     def value_and_gradient(self, curve: CurveParameters) -> tuple[float, Array]:
-        """Quality, and its derivative.
+        """Return the quality, and its derivative.
 
         Returns
         -------
@@ -181,7 +181,7 @@ class Objective:
         return value, np.concatenate([by_metric, by_tensions], axis=-1)
 
     def _rotations(self, curve: CurveParameters) -> Array:
-        """Rotations of a curve whose geodesics are searched for thoroughly, shape=[F, B, 4]; not to be written to."""
+        """Return the rotations of a thoroughly searched curve, shape=[F, B, 4]; not to be written to."""
         return self._memory.recall(curve, lambda part, joints: self._rebuilt(part, "thorough", joints))
 
     def _rebuilt(self, curve: CurveParameters, effort: Effort, joints: np.ndarray | None = None) -> Array:

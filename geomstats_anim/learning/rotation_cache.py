@@ -56,7 +56,7 @@ class RotationMemory:
 
 
 def _rows(curve: CurveParameters) -> Array:
-    """All numbers that a joint's rotations depend on, shape=[B, 8]."""
+    """Return all numbers that a joint's rotations depend on, shape=[B, 8]."""
     metric = curve.metric
     axes = np.zeros((metric.n_joints, 3)) if metric.axes is None else metric.axes
     return np.column_stack([metric.moments, axes, metric.is_right, curve.tension])

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class LearnSettings:
-    """What to learn, and how; see `learn_metric`.
+    """Settings of `learn_metric`.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How far to trust a fitted metric on frames that nobody has seen: blocked cross-validation, one factor a joint.
+"""Shrinking a fitted metric for frames that nobody has seen: blocked cross-validation, one factor per joint.
 
 A metric fitted freely to a clip loses to slerp on the clip's other half. Scaling log alpha and log beta by a factor in
 [0, 1] leads from the bi-invariant metric, whose geodesics are slerp, to the fit. Neighbouring segments are alike, so
@@ -31,7 +31,7 @@ N_FOLDS = 4
 
 
 class Fold(NamedTuple):
-    """What to fit, and what to score the fit on."""
+    """A part to fit, and a part to score the fit on."""
 
     train: Learnable
     test: Learnable
@@ -130,7 +130,7 @@ def _mean(values: list[float]) -> float:
 
 
 def _with_one_tension(folds: Sequence[Fold], plain: CurveParameters) -> tuple[CurveParameters, float]:
-    """Choose one tension for all joints of a spline, and tell its quality."""
+    """Choose one tension for all joints of a spline, and return its quality."""
     curves = [plain]
     if plain.tension.any():
         tensions = (np.full(plain.metric.n_joints, tension) for tension in TENSIONS)
@@ -141,7 +141,7 @@ def _with_one_tension(folds: Sequence[Fold], plain: CurveParameters) -> tuple[Cu
 
 
 def _certain_gain(errors: Array) -> Array:
-    """Gain over the first choice that is certain, as a share, from errors by fold and choice, shape=[n, C, ...]."""
+    """Return the certain gain over the first choice, as a share, from errors by fold and choice, shape=[n, C, ...]."""
     from scipy.special import stdtrit
 
     gains = (errors[:, :1] - errors) / np.maximum(errors[:, :1], _PERFECT)
@@ -150,5 +150,5 @@ def _certain_gain(errors: Array) -> Array:
 
 
 def blocks(n_segments: int, n_folds: int = N_FOLDS) -> list[np.ndarray]:
-    """Cut segments into contiguous blocks of nearly equal length, at most one a segment."""
+    """Cut segments into contiguous blocks of nearly equal length, at most one per segment."""
     return [block for block in np.array_split(np.arange(n_segments), n_folds) if len(block)]

@@ -21,7 +21,7 @@ from geomstats_anim.learning.settings import LearnSettings
 
 @dataclass(frozen=True, eq=False)
 class TrainingSet:
-    """What a metric is learned from.
+    """Animations of one rig and their keys, from which a metric is learned.
 
     Parameters
     ----------
@@ -68,12 +68,12 @@ class TrainingSet:
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """Names of the joints."""
+        """Return the names of the joints."""
         return self.animations[0].skeleton.joints
 
     @property
     def n_segments(self) -> int:
-        """Number of segments between keys, in all."""
+        """Return the number of segments between keys, in all."""
         return sum(len(kept) - 1 for kept in self.keyframes)
 
     def objectives(self, settings: LearnSettings) -> list[Objective]:
@@ -97,7 +97,7 @@ class TrainingSet:
 
 
 def turns(animation: Animation) -> bool:
-    """Tell whether any joint turns."""
+    """Return whether any joint turns."""
     return bool((quat.distance(animation.rotations, animation.rotations[:1]) >= STILL).any())
 
 

@@ -44,7 +44,7 @@ def require(module: str, extra: str = "tune") -> ModuleType:
 
 
 def is_wanted(address: str | None = None, cpus: int | None = None) -> bool:
-    """Whether there is work for more than this process: a cluster is named, or several processors are asked for."""
+    """Return whether a cluster is named or several processors are asked for."""
     return bool(address or os.environ.get("RAY_ADDRESS")) or (cpus or 1) > 1
 
 
@@ -100,7 +100,7 @@ def _processors(ray: ModuleType) -> int:
 
 
 def one_place_each(workers: int) -> list[dict[str, Any]]:
-    """Say to Ray on which node each of several actors belongs: as many to a node as it has processors, then again.
+    """Return the node of each of several actors, for Ray: as many per node as it has processors, then again.
 
     Ray's own "SPREAD" goes by the processors that an actor takes; those that take none may all end up on one node.
 

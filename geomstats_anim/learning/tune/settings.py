@@ -11,7 +11,7 @@ WINDOW, JOINT_WINDOW = 250, 40
 
 @dataclass(frozen=True)
 class TuneSettings:
-    """How a TPE search runs.
+    """Settings of a TPE search.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ ZOOM = 0.25
 _AXES_BOUND = np.pi / 2.0  # further turns only exchange or reverse axes, and alpha and beta do that too
 
 Point = dict[str, Any]
-"""One value a label: log_alpha_B, log_beta_B, axis_x_B, axis_y_B, axis_z_B a number, side_B or side a word; for
+"""One value per label: log_alpha_B, log_beta_B, axis_x_B, axis_y_B, axis_z_B a number, side_B or side a word; for
 a spline bend_B and path_bend_B, by how much the tensions are above 1."""
 
 
@@ -80,7 +80,7 @@ class Space:
 
     @property
     def identity(self) -> Point:
-        """Where every search starts, so that it never ends worse than the scheme without learning."""
+        """Return where every search starts, so that it never ends worse than the scheme without learning."""
         return {label: 0.0 for label in self._bounds()} | {label: INVARIANCES[0] for label in self._sides()}
 
     def expression(self) -> dict[str, Any]:
@@ -178,7 +178,7 @@ def search_tpe(
     settings: TuneSettings | None = None,
     progress: Callable[[int, float], None] = lambda evaluations, value: None,
 ) -> Found:
-    """Minimise an objective over metrics with one small HyperOpt search a joint, from the roots to the leaves.
+    """Minimise an objective over metrics with one small HyperOpt search per joint, from the roots to the leaves.
 
     It takes seconds, and neither starts Ray nor leaves a folder.
 
@@ -272,11 +272,11 @@ class _JointByJoint:
             self._chosen |= search.best_point
 
     def _own(self, point: Point) -> Array:
-        """Rotation error of each joint, shape=[B]."""
+        """Return the rotation error of each joint, shape=[B]."""
         return self._errors(point)[0]
 
     def _from_here_down(self, point: Point) -> Array:
-        """Errors of each joint and of those below it, shape=[B]: all that its metric has a part in."""
+        """Return the errors of each joint and those below it, shape=[B]: all that its metric affects."""
         errors = self._errors(point)[1]
         parents = self._objective.skeleton.parents
         for joint in reversed(range(len(parents))):

@@ -127,7 +127,7 @@ def _key(point: Mapping[str, Any]) -> str:
 
 
 class Journal:
-    """The finished trials of a search, a line each: a file that only grows.
+    """The finished trials of a search, one line per trial: a file that only grows.
 
     Parameters
     ----------
@@ -268,7 +268,7 @@ class _JournalledSearch(HyperOptSearch):
 
 
 def _has_state(folder: Path) -> bool:
-    """Whether Tune got as far as saving its state, all of it."""
+    """Return whether Tune has saved its complete state."""
     states = sorted(folder.glob("experiment_state-*.json"))
     try:
         json.loads(states[-1].read_text())
