@@ -1,6 +1,6 @@
 """What comes of every real file: what moves, what is passed through, what is refused, and with which sentence."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 LETTERS = {"R": "rotations", "T": "translations", "S": "scales", "W": "blendShapeWeights"}
 
@@ -17,7 +17,7 @@ class Row:
     Two samples or more are animated; one sample, or a value without, is passed through like the rest of the file.
 
     A verb has the sentence with which it refuses the file, None if it does not; {} is the path of the file. What it
-    needs, but is not there, is nowhere.
+    needs, but is not there, is nowhere. Transforms are those that upsample gives samples, as they move the character.
     """
 
     animations: dict[str, str] = field(default_factory=dict)
@@ -27,6 +27,7 @@ class Row:
     downsample: str | None = None
     warnings: tuple[str, ...] = ()
     nowhere: tuple[str, ...] = ()
+    transforms: tuple[str, ...] = ()
 
     @property
     def samples(self):
@@ -158,7 +159,10 @@ TABLE = {
     "usd/openusd_imaging_lbs.usda": Row(
         {"/Root/Skeleton/Animation": "R5 T2 S"}, learn=ONE_SEGMENT, warnings=wide(*BENDS)
     ),
-    "usd/openusd_imaging_skeleton.usda": too_short({"/SkelChar/SkelAnim": "R3 T3 S"}, few("/SkelChar/SkelAnim", 3)),
+    "usd/openusd_imaging_skeleton.usda": replace(
+        too_short({"/SkelChar/SkelAnim": "R3 T3 S"}, few("/SkelChar/SkelAnim", 3)),
+        transforms=("/SkelChar.xformOp:transform",),
+    ),
     "usd/openusd_imaging_twoBends.usda": refused(
         {"/Root/joint1/Animation": "R T S"}, still("/Root/joint1/Animation has 0"), unsampled("/Root/joint1/Animation")
     ),

@@ -62,7 +62,9 @@ def test_refused(tmp_path, verb, name, run):
 @pytest.mark.parametrize("name", ANIMATED)
 def test_upsample(tmp_path, name, run):
     source, out = real_file(name), tmp_path / "out.usdc"
-    code, text, err = run("upsample", source, "-o", out, "--factor", 2, "--alpha", 4, "--beta", 0.5)
+    report = tmp_path / "report.json"
+    words = ["--factor", 2, "--alpha", 4, "--beta", 0.5, "--report", report]
+    code, text, err = run("upsample", source, "-o", out, *words)
     assert (code, err.count("\n")) == (0, any("degrees" in warning for warning in TABLE[name].warnings))
     counts = [f"{before} -> {2 * before - 1} samples" for before in TABLE[name].samples]
     assert [count in line for count, line in zip(counts, text.splitlines()[:-1], strict=True)] == [True] * len(counts)
@@ -76,7 +78,14 @@ def test_upsample(tmp_path, name, run):
             if channel == "rotations" and codes:
                 norms = np.linalg.norm(np.array(new_values)[1::2].astype(np.float64), axis=-1)
                 np.testing.assert_allclose(norms, 1.0, atol=1e-6)
-    assert differences(source, out) == []
+    told = json.loads(report.read_text())["animations"]
+    transforms = sorted(xform["attribute"] for animation in told for xform in animation["xforms"])
+    assert differences(source, out) == transforms == list(TABLE[name].transforms)
+    written = Usd.Stage.Open(str(out))
+    for path in transforms:
+        before, after = stage.GetAttributeAtPath(path), written.GetAttributeAtPath(path)
+        for code in before.GetTimeSamples():
+            assert after.Get(code) == before.Get(code)
     assert errors_of(out) <= errors_of(source)
 
 

@@ -56,15 +56,16 @@ def _print_animation(animation: UpsampledAnimation, verbose: bool) -> None:
     if animation.learned:
         say(animation.learned)
     how = _how(animation) if animation.joints else "blend shapes, linear"
-    say(f"{animation.prim}: {_growth(animation)}, {counted(animation.joints, 'joint')}; {how}")
-    for xform in animation.xforms:
-        say(f"  {xform['attribute']}: {xform['samples_before']} -> {xform['samples_after']} samples")
+    transforms = f", {counted(len(animation.xforms), 'transform')}" if animation.xforms else ""
+    say(f"{animation.prim}: {_growth(animation)}, {counted(animation.joints, 'joint')}{transforms}; {how}")
     if verbose:
         say(f"  drives {', '.join(animation.skeletons) or 'no skeleton'}")
         if animation.metric_summary is not None:
             say(f"  {animation.metric_summary}")
         for name, channel in animation.channels.items():
             say(f"  {name}: {channel['samples_before']} -> {channel['samples_after']} samples")
+        for xform in animation.xforms:
+            say(f"  {xform['attribute']}: {xform['samples_before']} -> {xform['samples_after']} samples")
 
 
 def _how(animation: UpsampledAnimation) -> str:
