@@ -32,7 +32,7 @@ NO_MOVE = 1e-6
 
 
 def find_cuts(keys: Animation) -> np.ndarray:
-    """Tell across which gaps between frames the pose jumps.
+    """Return a mask of the gaps between frames across which the pose jumps.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def _usual(steps: Array) -> Array:
 
 
 def _stands_out(steps: Array, gaps: Array, least: float) -> np.ndarray:
-    """Tell which steps are far larger, and faster, than all of their neighbours."""
+    """Return a mask of the steps that are far larger, and faster, than all of their neighbours."""
     return (steps > least) & (steps > JUMP * _around(steps)) & (steps / gaps > JUMP * _around(steps / gaps))
 
 

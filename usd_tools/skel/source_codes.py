@@ -11,7 +11,7 @@ from usd_tools.metrics.attributes import read_source_codes, read_source_cuts
 
 
 class SourceCodes(NamedTuple):
-    """What a sparse animation stores of its source.
+    """Hold what a sparse animation stores of its source.
 
     Attributes
     ----------

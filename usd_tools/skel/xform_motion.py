@@ -21,7 +21,7 @@ HALF_TURN = 180.0
 
 
 class Parts(NamedTuple):
-    """What moves in a transform op; what does not is at rest.
+    """Split values of a transform op; parts that it lacks are at rest.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class Parts(NamedTuple):
 
 
 class Codec(NamedTuple):
-    """How the numbers of an op at its samples, shape=[K, C], become parts, and parts become numbers in between.
+    """Convert numbers of an op at its samples, shape=[K, C], to parts, and parts in between to numbers.
 
     Attributes
     ----------
@@ -115,7 +115,7 @@ def _join_angles(parts: Parts, keys: Array, segment: np.ndarray) -> Array:
 
 
 def _goes_the_short_way(order: str, degrees: Array) -> bool:
-    """Whether three angles, shape=[K, 3], never go half a turn or more, but for other names of nearly the same turn."""
+    """Check that no step of three angles, shape=[K, 3], is half a turn or more, other names of the turn allowed."""
     steps = np.diff(_unwrapped(degrees), axis=0)
     renamed = _other_name(order, degrees[1:]) - degrees[:-1]
     renamed -= 360.0 * np.round(renamed / 360.0)

@@ -39,7 +39,7 @@ class XformOp:
 
 
 class FoundOps(NamedTuple):
-    """The ops that move a character, and sentences on those that cannot be interpolated."""
+    """Hold the ops that move a character, and sentences on those that cannot be interpolated."""
 
     ops: tuple[XformOp, ...]
     notes: tuple[str, ...]
@@ -93,12 +93,12 @@ def _reason_to_leave(prim: Usd.Prim, source: AnimationSource, codec: Codec | Non
     if prim.IsInstanceProxy():
         return "it is inside an instance"
     if not _is_own(prim, source):
-        return f"it moves more than {source.path} does; give it samples by other means, or --no-xforms to leave all"
+        return f"it also moves prims that {source.path} does not drive; use --no-xforms to leave all transforms"
     return "" if codec else "its matrices are not exactly a scale, a turn and a move"
 
 
 def _is_own(prim: Usd.Prim, source: AnimationSource) -> bool:
-    """Whether a prim moves nothing but the skeletons of an animation, and what is in their SkelRoots."""
+    """Check that a prim moves nothing but the skeletons of an animation, and what is in their SkelRoots."""
     own = {skeleton.GetPath() for skeleton in source.skeletons}
     below = Usd.PrimRange(prim, Usd.TraverseInstanceProxies())
     if any(each.IsA(UsdSkel.Skeleton) and each.GetPath() not in own for each in below):

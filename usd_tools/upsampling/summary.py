@@ -130,8 +130,8 @@ def _cut_sentences(clip: SkelClip) -> list[str]:
     where = [f"{start:g} to {end:g}" for start, end in clip.cuts[:_NAMED_CUTS]]
     more = f" and {len(clip.cuts) - len(where)} more" if len(clip.cuts) > len(where) else ""
     return [
-        f"{clip.path}: the pose jumps from time code {', '.join(where)}{more}, and is held there as at a cut; "
-        "--no-cuts moves it across, --cut says where cuts are."
+        f"{clip.path}: the pose jumps from time code {', '.join(where)}{more}, so it is held there as at a cut; use "
+        "--no-cuts to interpolate across, or --cut to set the cuts."
     ]
 
 

@@ -276,7 +276,7 @@ def test_groups_that_hold_more_are_named_and_left(tmp_path, run, add_other):
     world(tmp_path / "in.usda", add_other)
     stage, report, err = upsampled(run, tmp_path)
     assert report["xforms"] == []
-    assert "/World.xformOp:translate keeps its 8 samples: it moves more than" in err
+    assert "/World.xformOp:translate keeps its 8 samples: it also moves prims that" in err
     assert len(samples(stage, "xformOp:translate", "/World")[0]) == COUNT
 
 
