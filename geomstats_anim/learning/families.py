@@ -70,10 +70,13 @@ class Families:
         """Return the optimum of a family, never above those of the families that it contains."""
         key = (scheme, family, invariance)
         if key not in self._known:
-            found = self._contained(*key)
+            found, starts = self._contained(*key), tuple[Array, ...]()
             if invariance != "clip":  # which is one of two sides, and nothing else
                 found.append(self._search(*key, found))
-            self._known[key] = min(found, key=lambda optimum: optimum.quality)
+                starts = found[-1].starts
+            best = min(found, key=lambda optimum: optimum.quality)
+            # the plain metric may win on one side; its joints are mixed from where the search has led all the same
+            self._known[key] = best._replace(starts=best.starts or starts)
         return self._known[key]
 
     def _contained(self, scheme: str, family: str, invariance: str) -> list[Optimum]:

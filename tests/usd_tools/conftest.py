@@ -1,10 +1,11 @@
-"""Commands called in process; every USD file that one writes is validated."""
+"""Commands called in process; what one prints keeps the house rules, and every USD file that it writes is validated."""
 
 import json
 from pathlib import Path
 
 import pytest
 from composed import new_errors
+from house_rules import broken_rules
 
 from usd_tools import compare, downsample, from_bvh, inspect, learn, upsample
 
@@ -15,8 +16,8 @@ USD = (".usd", ".usda", ".usdc", ".usdz")
 def run(request, capsys):
     """Call a verb in process; give its exit code, stdout and stderr.
 
-    What it writes must have no error for OpenUSD's validators that its input has not. The marker `invalid_output` says
-    why a test's output may.
+    What it prints must keep the house's rules. What it writes must have no error for OpenUSD's validators that its
+    input has not; the marker `invalid_output` says why a test's output may.
     """
     is_validated = request.node.get_closest_marker("invalid_output") is None
 
@@ -34,6 +35,8 @@ def run(request, capsys):
         out, err = capsys.readouterr()
         if code == 0 and validate is not None:
             assert validate() == {}
+        assert broken_rules(err) == []
+        assert "--json" in arguments or broken_rules(out) == []
         return code, out, err
 
     return call

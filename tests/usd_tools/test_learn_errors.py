@@ -58,7 +58,7 @@ def test_few_samples_between_blocks(tmp_path, out, refused):
     poses[2] = None
     make_rig(tmp_path / "in.usda", codes=range(6), rotations=poses)
     sentence = refused(tmp_path / "in.usda", *out)
-    assert sentence.startswith(f"in.usda: {ANIMATION} has 3 samples between value blocks and steps, too few")
+    assert sentence.startswith(f"in.usda: {ANIMATION} has 3 samples between value blocks, steps and cuts, too few")
 
 
 def test_no_sampled_rotations(tmp_path, out, refused):
@@ -82,7 +82,7 @@ def test_other_rigs(tmp_path, clip, refused, run):
     make_rig(tmp_path / "dog.usda", codes=range(20), rotations=random_rotations(20, 2), joints=["tail", "tail/tip"])
     sentence = refused(clip, tmp_path / "less.usda", "-o", tmp_path / "o.json")
     assert sentence == (
-        "less.usda has a different rig than in.usda: it lacks 1 of 3 joints, such as hips/spine/arm; "
+        "less.usda has a different rig than in.usda: it lacks 1 of 3 joints, such as arm; "
         "leave it out, or add --skip-mismatched."
     )
     sentence = refused(clip, tmp_path / "dog.usda", "-o", tmp_path / "o.json")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from pxr import Gf, Sdf, Ts, Usd, UsdGeom, UsdSkel, Vt
-from rigs import ANIMATION, JOINTS, SKELETON, bits, make_rig, random_rotations, read, set_samples
+from rigs import ANIMATION, SKELETON, bits, make_rig, random_rotations, read, set_samples
 from scipy.spatial.transform import Rotation
 
 from geomstats_anim import rotations as quat
@@ -84,7 +84,7 @@ def test_animation_that_has_no_joint_of_its_skeleton(tmp_path, run):
     assert (code, err) == (
         0,
         f"warning: {ANIMATION} has no joint of {SKELETON}, which it drives, so nothing moves in viewers; "
-        f"tail is not one of {', '.join(JOINTS)}.\n",
+        "tail is not one of hips, spine, arm.\n",
     )
     assert len(read(tmp_path / "out.usda")[0]) == 7
 

@@ -11,7 +11,7 @@ import numpy as np
 from geomstats_anim import Animation, Skeleton
 from geomstats_anim.learning.training_set import turns
 from usd_tools.console.errors import ToolError
-from usd_tools.console.text import counted
+from usd_tools.console.text import counted, short_names
 from usd_tools.files.stages import stage_sha256
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.resampling import sampled_together
@@ -118,11 +118,11 @@ def rig_difference(clip: TrainingClip, first: TrainingClip) -> str | None:
         return None
     if not own & wanted:
         return f"{clip} has no joint in common with {first}"
-    words = []
+    names, words = short_names(sorted(own | wanted)), []
     if wanted - own:
-        words.append(f"lacks {len(wanted - own)} of {len(wanted)} joints, such as {min(wanted - own)}")
+        words.append(f"lacks {len(wanted - own)} of {len(wanted)} joints, such as {names[min(wanted - own)]}")
     if own - wanted:
-        words.append(f"has {counted(len(own - wanted), 'other')}, such as {min(own - wanted)}")
+        words.append(f"has {counted(len(own - wanted), 'other')}, such as {names[min(own - wanted)]}")
     return f"{clip} has a different rig than {first}: it {', and '.join(words)}"
 
 

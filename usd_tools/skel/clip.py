@@ -295,9 +295,11 @@ def _binding_notes(clip: SkelClip) -> list[str]:
     own = read_names(skeletons[0], "joints") if skeletons else ()
     if not own or not joints or set(own) & set(joints):
         return []
+    names = short_names([*joints, *own])
+    others = ", ".join(names[joint] for joint in own[:3])
     return [
         f"{clip.path} has no joint of {skeletons[0].GetPath()}, which it drives, so nothing moves in viewers; "
-        f"{joints[0]} is not one of {', '.join(own[:3])}{'' if len(own) <= 3 else ' and others'}."
+        f"{names[joints[0]]} is not one of {others}{'' if len(own) <= 3 else ' and others'}."
     ]
 
 

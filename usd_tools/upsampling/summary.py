@@ -105,7 +105,7 @@ def _fallback_sentences(clip: SkelClip, fallbacks: Sequence[Fallback]) -> list[s
         start, end = (time * clip.codes_per_second for time in (fallback.start_time, fallback.end_time))
         segments.setdefault((fallback.joint, fallback.status.sentence), []).append(f"{start:g} to {end:g}")
     return [
-        f"{clip.path}: joint {names[joint]} uses slerp from time code {', '.join(where)}: {reason}"
+        f"{clip.path}: joint {names[joint]} uses slerp from time code {', '.join(where)}. {reason}"
         for (joint, reason), where in segments.items()
     ]
 
