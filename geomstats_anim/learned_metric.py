@@ -202,7 +202,7 @@ class LearnedMetric:
 
 @dataclass(frozen=True)
 class Score:
-    """One comparison with what is done without learning: the plain spline, and slerp.
+    """One comparison with slerp, and with the same scheme without learning.
 
     Parameters
     ----------
@@ -211,8 +211,7 @@ class Score:
     in_sample : bool
         Whether the scored frames are those it was learned from.
     learned, slerp, plain : float
-        Quality; lower is better. The plain curve is that of the default scheme, geodesic-spline, with the bi-invariant
-        metric, whatever scheme was learned for.
+        Quality; lower is better. The plain curve is the scheme's with the bi-invariant metric: for "geodesic", slerp.
     """
 
     what: str

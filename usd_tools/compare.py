@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from geomstats_anim.names import KINDS, SCHEME_NAMES
-from usd_tools.comparison.options import DEFAULT_CHOICES, RATES, CompareOptions, SchemeChoice
+from usd_tools.comparison.options import RATES, CompareOptions, SchemeChoice
 from usd_tools.comparison.result import CompareResult
 from usd_tools.console.arguments import add_prim, add_workers, share
 from usd_tools.console.errors import print_warning, run
@@ -35,9 +35,9 @@ def compare(
 
     Parameters
     ----------
-    sources : path or sequence of paths
+    sources : path-like or sequence of path-like
         USD files, and folders that are searched with all folders in them.
-    out : path
+    out : path-like
         Folder to make; replaced if all its files were made by an earlier comparison.
     options : CompareOptions
         Optional, default: `CompareOptions()`.
@@ -121,9 +121,8 @@ def parser(prog: str = PROG) -> ArgumentParser:
         metavar="SCHEME",
         type=SchemeChoice.parse,
         nargs="+",
-        default=list(DEFAULT_CHOICES),
-        help=f"of {', '.join(SCHEME_NAMES)}; a learned scheme may name its family, as in geodesic:spd, "
-        "or be plain, with nothing learned; default: all, and geodesic-spline:plain, as upsample without a metric",
+        default=list(SCHEME_NAMES),
+        help=f"of {', '.join(SCHEME_NAMES)}; a learned scheme may name its family, as in geodesic:spd; default: all",
     )
     parse.add_argument(
         "--kind",

@@ -48,9 +48,9 @@ def downsample(
 
     Parameters
     ----------
-    source : path
+    source : path-like
         USD file.
-    out : path or None
+    out : path-like or None
         USD file to write; None with `in_place`.
     options : DownsampleOptions
     progress : callable

@@ -32,7 +32,7 @@ def inspect(source: str | os.PathLike[str], *, warn: Callable[[str], None] | Non
 
     Parameters
     ----------
-    source : path
+    source : path-like
         USD file.
     warn : callable
         Called with each warning as it comes; all are in the result.

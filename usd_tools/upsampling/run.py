@@ -64,8 +64,7 @@ def upsample_file(
             )
             _write(layer, clips, messages)
             target.save(layer)
-        stretch = _rate(stage, options) / stage.GetTimeCodesPerSecond()
-        animations = _described(clips, options, messages, stretch)
+        animations = _described(clips, options, messages)
     # A file that was changed in place is read anew below, so prims may be gone from the stage.
     rate = _rate(stage, options)
     advice, dependencies = "", ""
@@ -243,12 +242,12 @@ def _write(layer: AnimationLayer, clips: Sequence[UpsampledClip], messages: Mess
 
 
 def _described(
-    clips: Sequence[UpsampledClip], options: UpsampleOptions, messages: Messages, stretch: float = 1.0
+    clips: Sequence[UpsampledClip], options: UpsampleOptions, messages: Messages
 ) -> tuple[UpsampledAnimation, ...]:
     for each in clips:
-        for sentence in warnings_of(each, options.verbose, stretch):
+        for sentence in warnings_of(each, options.verbose):
             messages.warn(sentence)
-    return tuple(describe(each, stretch) for each in clips)
+    return tuple(map(describe, clips))
 
 
 def _rate(stage: Usd.Stage, options: UpsampleOptions) -> float:
