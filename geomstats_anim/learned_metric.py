@@ -202,7 +202,7 @@ class LearnedMetric:
 
 @dataclass(frozen=True)
 class Score:
-    """One comparison with slerp, and with the same scheme without learning.
+    """One comparison with what is done without learning: the plain spline, and slerp.
 
     Parameters
     ----------
@@ -211,7 +211,8 @@ class Score:
     in_sample : bool
         Whether the scored frames are those it was learned from.
     learned, slerp, plain : float
-        Quality; lower is better. The plain curve is the scheme's with the bi-invariant metric: for "geodesic", slerp.
+        Quality; lower is better. The plain curve is that of the default scheme, geodesic-spline, with the bi-invariant
+        metric, whatever scheme was learned for.
     """
 
     what: str

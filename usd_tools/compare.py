@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from geomstats_anim.names import KINDS, SCHEME_NAMES
-from usd_tools.comparison.options import RATES, CompareOptions, SchemeChoice
+from usd_tools.comparison.options import DEFAULT_CHOICES, RATES, CompareOptions, SchemeChoice
 from usd_tools.comparison.result import CompareResult
 from usd_tools.console.arguments import add_prim, add_workers, share
 from usd_tools.console.errors import print_warning, run
@@ -121,8 +121,9 @@ def parser(prog: str = PROG) -> ArgumentParser:
         metavar="SCHEME",
         type=SchemeChoice.parse,
         nargs="+",
-        default=list(SCHEME_NAMES),
-        help=f"of {', '.join(SCHEME_NAMES)}; a learned scheme may name its family, as in geodesic:spd; default: all",
+        default=list(DEFAULT_CHOICES),
+        help=f"of {', '.join(SCHEME_NAMES)}; a learned scheme may name its family, as in geodesic:spd, "
+        "or be plain, with nothing learned; default: all, and geodesic-spline:plain, as upsample without a metric",
     )
     parse.add_argument(
         "--kind",

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from geomstats_anim.names import FAMILIES, INVARIANCE_CHOICES, KINDS, PURPOSES, SEARCHES, WITH_METRIC
+from geomstats_anim.names import DEFAULT_SCHEME, FAMILIES, INVARIANCE_CHOICES, KINDS, PURPOSES, SEARCHES, WITH_METRIC
 from usd_tools.console.arguments import add_output, add_prim, add_workers, seed, share, whole_number
 from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
@@ -201,7 +201,7 @@ def _add_metric(parse: ArgumentParser) -> None:
         default="joint",
         help="left, right, the better side for all joints (clip), or for each joint (joint, the default)",
     )
-    parse.add_argument("--scheme", choices=WITH_METRIC, default=WITH_METRIC[0], help="interpolation to learn for")
+    parse.add_argument("--scheme", choices=WITH_METRIC, default=DEFAULT_SCHEME, help="interpolation to learn for")
     parse.add_argument(
         "--kind",
         choices=KINDS,

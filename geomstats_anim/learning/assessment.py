@@ -14,6 +14,7 @@ from geomstats_anim.interpolation.schemes import SCHEMES
 from geomstats_anim.interpolation.tangents import STILL
 from geomstats_anim.keyframes.problem import uniform_keyframes
 from geomstats_anim.learned_metric import LearnedMetric, Score
+from geomstats_anim.names import DEFAULT_SCHEME
 
 _NEIGHBOURS = (2.0 / 3.0, 1.5)
 """Neighbouring rates, as multiples."""
@@ -31,14 +32,14 @@ def score(
     metric: LearnedMetric,
     weights: str | ArrayLike | None = None,
 ) -> Score:
-    """Rebuild an animation from keys with a metric, without one, and by slerp, and compare all with it."""
+    """Rebuild an animation from keys with a metric, by the plain spline, and by slerp, and compare all with it."""
     keys = animation.at_frames(keyframes)
 
     def error(scheme: str, metric_used: LearnedMetric | None = None) -> float:
         rebuilt = SCHEMES[scheme](keys, metric_used)(animation.times)
         return quality(rebuilt, animation, metric.quality or "hyb", weights)
 
-    return Score(what, in_sample, error(metric.scheme, metric), error("slerp"), error(metric.scheme))
+    return Score(what, in_sample, error(metric.scheme, metric), error("slerp"), error(DEFAULT_SCHEME))
 
 
 def assess(

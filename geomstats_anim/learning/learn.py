@@ -89,8 +89,8 @@ def learn_metric(
     Returns
     -------
     metric : LearnedMetric
-        Its provenance holds `score`, `slerp_score`, and `plain_score`, which is the scheme's without learning, on the
-        frames it was learned from, which are in-sample.
+        Its provenance holds `score`, `slerp_score`, and `plain_score`, which is the plain spline's, on the frames it
+        was learned from, which are in-sample.
 
     Raises
     ------
@@ -137,6 +137,6 @@ def _provenance(metric: LearnedMetric, training: TrainingSet, settings: LearnSet
         "keys": [len(kept) for kept in training.keyframes],
         "score": training.score(settings.scheme, metric, settings),
         "slerp_score": training.score("slerp", None, settings),
-        "plain_score": training.score(settings.scheme, None, settings),
+        "plain_score": training.score(DEFAULT_SCHEME, None, settings),
         **found.cross_validation,
     }

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from geomstats_anim.learning.learnable import Found, Learnable
+from geomstats_anim.names import DEFAULT_SCHEME
 from geomstats_anim.parameters import CurveParameters, MetricParameters
 from geomstats_anim.rotations import Array
 
@@ -46,8 +47,8 @@ class Shrinkage(NamedTuple):
     factors : array-like, shape=[B]
         0 where the plain curve predicts as well, 1 where the fit is kept as it is.
     score, slerp_score, plain_score : float
-        Cross-validated quality of curves shrunk by these factors, of slerp, and of the plain curve as it was given,
-        mean over the folds.
+        Cross-validated quality of curves shrunk by these factors, of slerp, and of the plain spline, mean over the
+        folds.
     """
 
     curve: CurveParameters
@@ -107,9 +108,11 @@ def shrink(
     n_joints = fitted.metric.n_joints
     none = np.zeros(n_joints)
     slerp = CurveParameters.geodesic(plain.metric)
-    slerp_score, plain_score = (_mean([fold.test.value(curve) for fold in folds]) for curve in (slerp, plain))
+    spline = CurveParameters.plain(DEFAULT_SCHEME, n_joints)
+    scores = [_mean([fold.test.value(curve) for fold in folds]) for curve in (plain, slerp, spline)]
+    own_score, slerp_score, plain_score = scores
     if len(folds) < 2:
-        return Shrinkage(plain, none, plain_score, slerp_score, plain_score)
+        return Shrinkage(plain, none, own_score, slerp_score, plain_score)
     base, base_score = _with_one_tension(folds, plain)
     fits = [find(fold.train).curve for fold in folds]
     errors = np.array(

@@ -12,11 +12,14 @@ from real_files import real_file
 from rigs import ANIMATION, bits, make_rig, random_rotations, read, set_samples, stored_metric
 from scipy.spatial.transform import Rotation
 
-from geomstats_anim import SCHEMES
+from geomstats_anim import SCHEMES, interpolate, quality, uniform_keyframes
 from usd_tools import compare
 from usd_tools.comparison import trials as comparison
-from usd_tools.comparison.options import SchemeChoice
+from usd_tools.comparison.options import CompareOptions, SchemeChoice
 from usd_tools.comparison.trials import Row, Trial, all_trials
+from usd_tools.skel.clip import read_clip
+from usd_tools.skel.find import find_animations
+from usd_tools.skel.resampling import animation_of
 
 KEYS = (
     "clip rate scheme keys q_loc q_rot q_hyb mean_rotation_deg mean_location_cm max_location_cm bytes_numpy bytes_usdc "
@@ -323,3 +326,19 @@ def test_real_clips_are_those_of_the_written_files(tmp_path, names, run):
             found = evaluated(tmp_path / "out" / row["usd"], paths[row["clip"]])
             for name, value in found.items():
                 assert row[name] == pytest.approx(value, rel=1e-5, abs=1e-5), (row["usd"], name)
+
+
+def test_the_plain_spline_stands_beside_what_is_learned(tmp_path, run):
+    """It is what upsample does without a metric: nothing is learned, and the whole scheme is no worse in sample."""
+    make_clip(tmp_path / "in.usda", count=24)
+    assert SchemeChoice.parse("geodesic-spline:plain") in CompareOptions().schemes
+    words = ["--rates", ".3", "--schemes", "geodesic-spline:plain", "geodesic-spline"]
+    assert run("compare", tmp_path / "in.usda", "-o", tmp_path / "out", *words)[0] == 0
+    rows = json.loads((tmp_path / "out" / "results.json").read_text())["rows"]
+    plain, learned = ([row for row in rows if row["scheme"] == word and not row["out_of_sample"]] for word in words[3:])
+    assert (plain[0]["family"], plain[0]["purpose"], plain[0]["seconds_learn"]) == (None, None, 0.0)
+    assert learned[0]["q_hyb"] <= plain[0]["q_hyb"]
+    (source,) = find_animations(Usd.Stage.Open(str(tmp_path / "in.usda")))
+    truth = animation_of(read_clip(source))
+    keys = truth.at_frames(uniform_keyframes(truth.n_frames, 0.3))
+    assert plain[0]["q_hyb"] == pytest.approx(quality(interpolate(keys, truth.times), truth), rel=1e-9)

@@ -62,7 +62,7 @@ def test_no_out(clip, refused):
             "must be constant, linear, slerp, squad, rotation-spline, geodesic or geodesic-spline, not 'bezier'.",
         ),
         ("slerp:spd", "slerp has no metric, so it has no family; write slerp alone"),
-        ("geodesic:full", "the family of geodesic must be diagonal or spd, as in geodesic:spd, not 'full'."),
+        ("geodesic:full", "the family of geodesic must be diagonal, spd or plain, as in geodesic:spd, not 'full'."),
     ],
 )
 def test_schemes(clip, out, refused, word, sentence):

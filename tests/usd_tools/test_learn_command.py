@@ -12,6 +12,7 @@ from real_files import CLIPS, real_file
 from rigs import ANIMATION, JOINTS, SKELETON, bits, make_rig, random_rotations, read, set_samples, stored_metric
 
 from geomstats_anim import LearnedMetric
+from geomstats_anim import rotations as quat
 from geomstats_anim.rotations import distance
 from usd_tools.console.progress import SearchProgress
 from usd_tools.console.tables import show
@@ -56,9 +57,9 @@ def test_layer_holds_the_metric_and_leaves_samples_alone(tmp_path, clip, learned
     assert list(over.subLayerPaths) == ["./in.usda"]
     assert not over.GetAttributeAtPath(f"{ANIMATION}.rotations")
     metric = stored_metric(tmp_path / "out.usda")
-    assert (metric.joints, metric.scheme, metric.quality) == (tuple(JOINTS), "geodesic", "hyb")
+    assert (metric.joints, metric.scheme, metric.quality) == (tuple(JOINTS), "geodesic-spline", "hyb")
     code, out, _ = run("upsample", tmp_path / "out.usda", "-o", tmp_path / "up.usda", "--factor", 2)
-    assert code == 0 and "geodesic, stored metric" in out
+    assert code == 0 and "geodesic-spline, stored metric" in out
     run("upsample", clip, "-o", tmp_path / "slerp.usda", "--factor", 2)
     bent, flat = (np.array(read(tmp_path / name)[1], dtype=np.float64) for name in ("up.usda", "slerp.usda"))
     assert distance(bent, flat)[1::2].max() > 1e-3
@@ -86,8 +87,9 @@ def test_provenance(tmp_path, clip, learned):
     assert len(provenance["by_joint"]["shrinkage"]) == 3
     assert len(provenance["out_of_sample"]["scores"]) == len(provenance["out_of_sample"]["what"]) > 0
     assert str(tmp_path) not in (tmp_path / "out.usda").read_text()
-    tie = (stored_metric(tmp_path / "out.usda").parameters.moments == 1.0).all()
-    assert ("A tie with slerp" in out) == tie and ("Cross-validated: predicts" in out) == (not tie)
+    metric = stored_metric(tmp_path / "out.usda")
+    tie = all((values == 1.0).all() for values in (metric.parameters.moments, metric.tension))
+    assert ("A tie with the plain spline" in out) == tie and ("Cross-validated: it predicts" in out) == (not tie)
     assert report["metrics"][0]["scores"][0]["verdict"] != "loses to slerp"
 
 
@@ -303,7 +305,7 @@ def test_skeletons_carry_the_summary(tmp_path, clip, learned):
     learned(clip, "-o", tmp_path / "out.usda")
     stage = Usd.Stage.Open(str(tmp_path / "out.usda"))
     skeleton = stage.GetPrimAtPath(SKELETON)
-    assert skeleton.GetAttribute("userProperties:geodesicMetric").Get().startswith("geodesic, 3 joints")
+    assert skeleton.GetAttribute("userProperties:geodesicMetric").Get().startswith("geodesic-spline, 3 joints")
 
 
 @pytest.mark.parametrize("width", [60, 80, 200])
@@ -353,3 +355,19 @@ def test_the_command_for_a_metric_can_be_pasted(tmp_path, clip, learned):
     out = learned(clip, "-o", there)[0]
     command = out.partition("Use it with:\n")[2].splitlines()[0]
     assert shlex.split(command)[-2:] == ["--metric", str(there)]
+
+
+def test_a_scheme_that_loses_to_what_upsample_does_alone_says_so(tmp_path, learned):
+    """A smooth motion: geodesics jump in velocity where the plain spline does not."""
+    t = np.linspace(0.0, 6.0, 61)[:, None, None] * np.array([1.0, 1.3, 0.7])[:, None]
+    vectors = np.concatenate([np.sin(t), np.cos(1.7 * t), 0.5 * np.sin(2.3 * t)], axis=-1)
+    rotations = quat.exp(vectors).astype(np.float32)
+    make_rig(tmp_path / "in.usda", codes=range(61), rotations=rotations, translations=None)
+    out, _, report = learned(tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--scheme", "geodesic")
+    score = report["metrics"][0]["scores"][0]
+    assert score["plain_score"] < score["score"] <= score["slerp_score"] * 1.001
+    assert score["verdict"] == "loses to the plain spline"
+    assert "Without a metric, upsample uses the plain spline, which is better: use --scheme geodesic-spline." in out
+    out, _, report = learned(tmp_path / "in.usda", "-o", tmp_path / "out.usda")
+    score = report["metrics"][0]["scores"][0]
+    assert score["score"] <= score["plain_score"] and "Without a metric" not in out

@@ -425,3 +425,25 @@ def test_units_that_make_no_sense(tmp_path, run, units):
         f"warning: {ANIMATION}: {units:g} metres is not a usable unit; using one metre per unit.\n",
     )
     assert len(read(tmp_path / "out.usda", "translations")[0]) == 7
+
+
+def test_report_of_a_retimed_file_agrees_with_the_file(tmp_path, run):
+    rotations = np.zeros((5, 1, 4), dtype=np.float32)
+    rotations[:, 0, 2:] = [(np.sin(a), np.cos(a)) for a in np.radians([0, 65, 70, 0, 5])]
+    make_rig(tmp_path / "in.usda", codes=range(10, 15), joints=["a"], rotations=rotations)
+    words = ["--report", tmp_path / "r.json", "--no-cuts"]
+    call = ["upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--fps", 96, "--retime", *words]
+    code, _, err = run(*call)
+    assert code == 0
+    report = json.loads((tmp_path / "r.json").read_text())
+    (told,) = report["animations"]
+    codes, _ = read(tmp_path / "out.usda")
+    assert (told["first_time_code"], told["last_time_code"]) == (codes[0], codes[-1]) == (40.0, 56.0)
+    assert report["time_codes_per_second"] == Usd.Stage.Open(str(tmp_path / "out.usda")).GetTimeCodesPerSecond() == 96
+    assert told["rate_after"] == 96 / np.median(np.diff(codes)) and told["rate_before"] == 24
+    counted = {name: channel["samples_after"] for name, channel in told["channels"].items()}
+    assert counted == {name: len(read(tmp_path / "out.usda", name)[0]) for name in counted}
+    assert told["samples_after"] == len(codes)
+    assert sorted((step["start"], step["end"]) for step in told["wide_steps"]) == [(40.0, 44.0), (48.0, 52.0)]
+    assert told["largest_step"]["start"] == 48.0 and "from time code 48 to 52" in err
+    assert report["warnings"] == [line.removeprefix("warning: ") for line in err.splitlines()]

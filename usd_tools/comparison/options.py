@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from geomstats_anim.names import FAMILIES, KINDS, PURPOSES, SCHEME_NAMES, WITH_METRIC
+from geomstats_anim.names import DEFAULT_SCHEME, FAMILIES, KINDS, PURPOSES, SCHEME_NAMES, WITH_METRIC
 from usd_tools.console.arguments import share, whole_number
 from usd_tools.console.options import PrimOptions, one_of, option
 from usd_tools.console.parser import listed
@@ -16,10 +16,16 @@ from usd_tools.console.text import did_you_mean
 RATES = (0.5, 0.3, 0.2, 0.1, 0.05)
 """Shares of samples kept, where nothing else is asked for."""
 
+PLAIN = "plain"
+"""Family of a scheme with the identity metric: nothing is learned."""
+
+DEFAULT_CHOICES = (*SCHEME_NAMES, f"{DEFAULT_SCHEME}:{PLAIN}")
+"""All schemes, and what `upsample` does without a metric."""
+
 
 @dataclass(frozen=True)
 class SchemeChoice:
-    """A scheme, and for one that learns, the family of its metric.
+    """A scheme, and for one that learns, the family of its metric; "plain" learns nothing, and has the identity.
 
     Parameters
     ----------
@@ -37,7 +43,7 @@ class SchemeChoice:
 
     @classmethod
     def parse(cls, text: str) -> SchemeChoice:
-        """Parse a word of the command line, such as `slerp` or `geodesic:spd`.
+        """Parse a word of the command line, such as `slerp`, `geodesic:spd` or `geodesic-spline:plain`.
 
         Raises
         ------
@@ -53,11 +59,14 @@ class SchemeChoice:
             if colon:
                 raise argparse.ArgumentTypeError(f"{scheme} has no metric, so it has no family; write {scheme} alone")
             return cls(scheme, scheme, None)
+        if family == PLAIN:
+            return cls(text, scheme, None)
         family = family if colon else FAMILIES[0]
         if family not in FAMILIES:
+            words = (*FAMILIES, PLAIN)
             raise argparse.ArgumentTypeError(
-                f"the family of {scheme} must be {listed(FAMILIES)}, as in {scheme}:{FAMILIES[-1]}, not {family!r}"
-                f"{did_you_mean(family, FAMILIES)}"
+                f"the family of {scheme} must be {listed(words)}, as in {scheme}:{FAMILIES[-1]}, not {family!r}"
+                f"{did_you_mean(family, words)}"
             )
         return cls(scheme if family == FAMILIES[0] else f"{scheme}:{family}", scheme, family)
 
@@ -87,7 +96,7 @@ class CompareOptions(PrimOptions):
         Optional, default: .5, .3, .2, .1 and .05.
     schemes : tuple of str or SchemeChoice
         Interpolation schemes; one that learns may carry its family, as in "geodesic:spd".
-        Optional, default: all.
+        Optional, default: all, and "geodesic-spline:plain", which is what `upsample` does without a metric.
     kind : str
         Quality that learning minimises: "loc", "rot" or "hyb".
         Optional, default: "hyb".
@@ -99,7 +108,7 @@ class CompareOptions(PrimOptions):
     """
 
     rates: tuple[float, ...] = option(RATES, _rates)
-    schemes: tuple[SchemeChoice, ...] = option(SCHEME_NAMES, _schemes)
+    schemes: tuple[SchemeChoice, ...] = option(DEFAULT_CHOICES, _schemes)
     kind: str = option("hyb", one_of(KINDS))
     address: str | None = option(None, str, recorded=False)
     cpus: int | None = option(None, whole_number, recorded=False)

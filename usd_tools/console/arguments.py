@@ -66,6 +66,9 @@ def add_workers(parse: argparse._ActionsContainer) -> None:
     )
 
 
+MAX_UNPACKED = 4.0
+"""Gigabytes that a package from a stranger may unpack to."""
+
 SOURCE = "source"
 """The word for the samples that an animation had before it was downsampled."""
 
@@ -143,6 +146,13 @@ def add_output(parse: argparse._ActionsContainer) -> None:
     )
     add_format(parse)
     parse.add_argument("--in-place", action="store_true", help="change IN itself")
+    parse.add_argument(
+        "--max-unpacked",
+        metavar="GB",
+        type=positive_number,
+        default=MAX_UNPACKED,
+        help="refuse packages that unpack to more than this; default: %(default)g",
+    )
 
 
 def add_format(parse: argparse._ActionsContainer) -> None:

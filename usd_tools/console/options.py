@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, Self
 
+from usd_tools.console.arguments import MAX_UNPACKED, positive_number
 from usd_tools.console.errors import UsageError
 from usd_tools.console.parser import listed
 from usd_tools.console.text import did_you_mean
@@ -135,6 +136,9 @@ class OutputOptions(PrimOptions):
     usd_format : str
         "usda" or "usdc", for a name that ends in .usd.
         Optional, default: "usdc".
+    max_unpacked : float
+        Gigabytes that a usdz package may unpack to.
+        Optional, default: 4.
     report : Path
         JSON file to write the result to as well.
         Optional, default: none.
@@ -143,4 +147,5 @@ class OutputOptions(PrimOptions):
     flatten: bool = option(False, bool, recorded=False)
     in_place: bool = option(False, bool, recorded=False)
     usd_format: str | None = option(None, one_of(("usda", "usdc")), recorded=False, word="usdFormat")
+    max_unpacked: float = option(MAX_UNPACKED, positive_number, recorded=False)
     report: Path | None = option(None, Path, recorded=False)

@@ -11,6 +11,11 @@ from usd_tools.console.errors import ToolError
 EXTENSIONS = (".usd", ".usda", ".usdc", ".usdz")
 
 
+def extension(path: Path) -> str:
+    """Return the end of a file's name by which OpenUSD knows its format, in small letters."""
+    return path.suffix.lower()
+
+
 def check_input(path: Path, what: str) -> None:
     """Check that a file can be read.
 
@@ -67,9 +72,9 @@ def check_usd_output(path: Path, usd_format: str | None) -> None:
     ToolError
         If the extension is not one of USD's, or `--usdFormat` does not go with it.
     """
-    if path.suffix not in EXTENSIONS:
+    if extension(path) not in EXTENSIONS:
         raise ToolError(f"--out {path}: the name must end in {', '.join(EXTENSIONS)}.")
-    if usd_format is not None and path.suffix != ".usd":
+    if usd_format is not None and extension(path) != ".usd":
         raise ToolError(f"--usdFormat {usd_format} needs an --out that ends in .usd, not {path}.")
     check_output(path, "--out")
 

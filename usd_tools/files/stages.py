@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.files.openusd_errors import commentary, reading, usd_unheard
-from usd_tools.files.paths import EXTENSIONS, check_input
+from usd_tools.files.paths import EXTENSIONS, check_input, extension
 
 
 def open_stage(path: Path) -> Usd.Stage:
@@ -31,7 +32,7 @@ def open_stage(path: Path) -> Usd.Stage:
         If there is no such file, or it is not a USD file that can be read.
     """
     check_input(path, "a USD file")
-    if path.suffix.lower() not in EXTENSIONS:
+    if extension(path) not in EXTENSIONS:
         raise ToolError(f"{path} is not a USD file; its name must end in {', '.join(EXTENSIONS)}.")
     with reading(path):
         return Usd.Stage.Open(str(path))
@@ -56,7 +57,7 @@ def export_layer(layer: Sdf.Layer, path: Path, usd_format: str | None = None, ch
     ToolError
         If it cannot be written.
     """
-    arguments = {"format": usd_format or "usdc"} if path.suffix == ".usd" else {}
+    arguments = {"format": usd_format or "usdc"} if extension(path) == ".usd" else {}
     if not layer.Export(str(path), args=arguments):
         raise ToolError(f"{path.name} cannot be written; check that the disk has space.")
     if check:
@@ -83,6 +84,15 @@ def stage_sha256(stage: Usd.Stage) -> str:
 def missing_files(path: Path) -> list[str]:
     """Return the names of the files that a USD file references but that cannot be found."""
     return _innermost(_dependencies(path)[2])
+
+
+def files_outside(path: Path) -> list[str]:
+    """Return the files that a USD file needs and that are not in its folder, or below it, as seen from there."""
+    layers, assets, _ = _dependencies(path)
+    folder = path.resolve().parent
+    names = [layer.realPath for layer in layers] + assets
+    needed = {Path(Ar.SplitPackageRelativePathOuter(name)[0]).resolve() for name in names}
+    return sorted(os.path.relpath(file, folder) for file in needed if not file.is_relative_to(folder))
 
 
 def describe_dependencies(path: Path, messages: Messages) -> str:

@@ -9,7 +9,7 @@ from pxr import Sdf, Usd
 
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.files.openusd_errors import reading
-from usd_tools.files.paths import EXTENSIONS, same_file
+from usd_tools.files.paths import EXTENSIONS, extension, same_file
 from usd_tools.files.stages import open_stage
 from usd_tools.learning.clips import TrainingClip, rig_difference, training_clip, with_joint_order
 from usd_tools.learning.result import Skipped
@@ -58,7 +58,7 @@ def _files_below(folder: Path, messages: Messages) -> list[Path]:
     files = []
     for path in sorted(folder.rglob("*")):
         is_hidden = any(part.startswith(".") for part in path.relative_to(folder).parts)
-        if is_hidden or not path.is_file() or path.suffix.lower() not in EXTENSIONS:
+        if is_hidden or not path.is_file() or extension(path) not in EXTENSIONS:
             continue
         if _is_made_by_us(path):
             messages.warn(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from geomstats_anim.names import FAMILIES, INVARIANCE_CHOICES, KINDS, PURPOSES, SEARCHES, WITH_METRIC
+from geomstats_anim.names import DEFAULT_SCHEME, FAMILIES, INVARIANCE_CHOICES, KINDS, PURPOSES, SEARCHES, WITH_METRIC
 from usd_tools.console.arguments import seed, share, whole_number
 from usd_tools.console.errors import UsageError
 from usd_tools.console.options import OutputOptions, one_of, option
@@ -37,6 +37,7 @@ class LearnOptions(OutputOptions):
         Optional, default: "joint".
     scheme : str
         Interpolation scheme that the metric is for.
+        Optional, default: "geodesic-spline".
     kind : str
         Quality to minimise: "loc", "rot" or "hyb".
         Optional, default: "hyb".
@@ -66,7 +67,7 @@ class LearnOptions(OutputOptions):
     purpose: str = option(PURPOSES[0], one_of(PURPOSES))
     family: str = option(FAMILIES[0], one_of(FAMILIES))
     invariance: str = option("joint", one_of(INVARIANCE_CHOICES))
-    scheme: str = option(WITH_METRIC[0], one_of(WITH_METRIC))
+    scheme: str = option(DEFAULT_SCHEME, one_of(WITH_METRIC))
     kind: str = option("hyb", one_of(KINDS))
     weights: str | None = option(None, one_of(("depth",)))
     seed: int = option(0, seed)

@@ -39,8 +39,8 @@ class MetricReport:
     animations : tuple of dict
         Of each clip: file, sha256, prim, frames, stretches (parted at value blocks, steps and cuts).
     scores : tuple of dict
-        what, in_sample, score, slerp_score, plain_score (the scheme's without learning), gain (share of the better of
-        these two), verdict.
+        what, in_sample, score, slerp_score, plain_score (what upsample does without a metric), gain (share of the
+        better of these two), verdict.
     conclusion : str
         What the metric is good for, a sentence or two.
     joints : tuple of dict

@@ -12,7 +12,7 @@ from usd_tools.console.errors import Messages, ToolError, UsageError
 from usd_tools.console.progress import Progress, ProgressCallback, SearchProgress
 from usd_tools.files.atomic import write_json, written_beside
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
-from usd_tools.files.paths import EXTENSIONS, check_output, same_file
+from usd_tools.files.paths import EXTENSIONS, check_output, extension, same_file
 from usd_tools.files.stages import open_stage, stage_path
 from usd_tools.learning.clips import TrainingClip
 from usd_tools.learning.files import collect_training_clips, find_files, read_clips, training_clips
@@ -95,7 +95,7 @@ def _learn_usd(
         what = "--in-place changes" if out is None else f"--out {out} extends"
         raise ToolError(f"{what} one file; to learn one metric from several files, use an --out that ends in .json.")
     path = sources[0]
-    if out is not None and out.suffix not in EXTENSIONS:
+    if out is not None and extension(out) not in EXTENSIONS:
         raise ToolError(f"--out {out}: the name must end in {', '.join(EXTENSIONS)}, .json.")
     target = Output(path, out, options)
     target.check()

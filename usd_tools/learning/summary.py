@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 from typing import Any
 
+from geomstats_anim.names import DEFAULT_SCHEME
 from usd_tools.console.tables import show
 from usd_tools.console.text import counted, say, say_command
 from usd_tools.learning.result import LearnResult, MetricReport
@@ -37,11 +38,10 @@ def _print_metric(report: MetricReport, verbose: bool) -> None:
     say(f"{_named(report.clips)}: {n_keys} of {n_frames} samples kept as keys{cut}, {joints}")
     say(f"  {report.summary}")
     weighted = " without weights" if "weights" in report.provenance else ""
-    is_spline = report.scheme == "geodesic-spline"
     show(
         f"Q_{report.quality}{weighted}, lower is better",
-        [_row(score, is_spline) for score in report.scores],
-        ("", "frames", "learned", "slerp", *(("plain spline",) if is_spline else ()), "gain", "verdict"),
+        [_row(score) for score in report.scores],
+        ("", "frames", "learned", "plain spline", "slerp", "gain", "verdict"),
     )
     say(report.conclusion)
     if verbose:
@@ -61,21 +61,28 @@ def slerped_sentence(assessed: AssessedMetric) -> str | None:
     return f"{where}: no geodesic was found for {slerped} of single joints; using slerp there."
 
 
-def _row(score: dict[str, Any], is_spline: bool) -> tuple[str, ...]:
+def _row(score: dict[str, Any]) -> tuple[str, ...]:
     sample = "in-sample" if score["in_sample"] else "out-of-sample"
     return (
         score["what"],
         sample,
         f"{score['score']:.5g}",
+        f"{score['plain_score']:.5g}",
         f"{score['slerp_score']:.5g}",
-        *((f"{score['plain_score']:.5g}",) if is_spline else ()),
         f"{100.0 * score['gain']:+z.1f} %",
         score["verdict"],
     )
 
 
 def conclusion(assessed: AssessedMetric) -> str:
-    """Return a sentence or two on what the metric is good for."""
+    """Return a sentence or two on what the metric is good for, beside what `upsample` does without it."""
+    own = _own_conclusion(assessed)
+    if assessed.metric.scheme == DEFAULT_SCHEME or not assessed.scores[0].loses:
+        return own
+    return f"{own} Without a metric, upsample uses the plain spline, which is better: use --scheme {DEFAULT_SCHEME}."
+
+
+def _own_conclusion(assessed: AssessedMetric) -> str:
     one = "this clip" if len(assessed.takes) == 1 else "these clips"
     plain = "the plain spline" if assessed.metric.scheme == "geodesic-spline" else "slerp"
     kept = "it is kept" if plain != "slerp" else "slerp's own metric (the identity) is kept"

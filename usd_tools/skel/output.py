@@ -13,7 +13,9 @@ from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.options import OutputOptions
 from usd_tools.files.atomic import Verify
 from usd_tools.files.openusd_gaps import lost_by_flattening
-from usd_tools.files.paths import check_output, check_usd_output, same_file
+from usd_tools.files.packages import check_package
+from usd_tools.files.paths import check_output, check_usd_output, extension, same_file
+from usd_tools.files.stages import files_outside
 from usd_tools.skel.find import AnimationSource
 from usd_tools.skel.writer import OverrideLayer, save, save_copy, save_in_place
 
@@ -62,12 +64,14 @@ class Output:
             if self.options.in_place and not same_file(self.out, [self.source]):
                 raise ToolError(f"--in-place changes {self.source}, but --out is {self.out}; leave one of them out.")
         if self.options.in_place:
-            if self.source.suffix == ".usdz":
+            if extension(self.source) == ".usdz":
                 raise ToolError(
                     f"{self.source} is a package and cannot be changed in place; name another file with --out."
                 )
             check_output(self.source, "--in-place")
         check_report(self.options.report, self.source, self.path)
+        if extension(self.source) == extension(self.path) == ".usdz" and self.source.is_file():
+            check_package(self.source, 1e9 * self.options.max_unpacked)
 
     def check_layers(self, stage: Usd.Stage) -> None:
         """Refuse to write over a file that the source needs."""
@@ -87,7 +91,7 @@ class Output:
         ToolError
             If the source is to be changed in place, but they are in other files.
         """
-        if all(_is_in_root_layer(source) for source in sources) and self.path.suffix != ".usdz":
+        if all(_is_in_root_layer(source) for source in sources) and extension(self.path) != ".usdz":
             return replace(self, copy=True)
         if self.options.in_place and not self.options.flatten:
             raise ToolError(
@@ -108,6 +112,9 @@ class Output:
         if fixed:
             more = f" and {len(fixed) - _A_FEW} more" if len(fixed) > _A_FEW else ""
             messages.warn(f"flattening keeps only the selected variants: {', '.join(fixed[:_A_FEW])}{more}.")
+        if extension(self.path) == ".usdz":
+            for file in files_outside(self.source):
+                messages.warn(f"{self.path} will hold {file}, which is outside the folder of {self.source}.")
         base = stage.GetRootLayer() if (self.options.in_place or self.copy) and not self.options.flatten else None
         return OverrideLayer(stage, tool, settings, codes_per_second, base)
 

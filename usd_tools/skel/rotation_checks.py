@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,6 +34,10 @@ class RotationStep:
     start: float
     end: float
     degrees: float
+
+    def stretched(self, stretch: float) -> RotationStep:
+        """Multiply its time codes by a number."""
+        return replace(self, start=self.start * stretch, end=self.end * stretch)
 
     def in_words(self, names: Mapping[str, str]) -> str:
         """Describe it, with names of joints by their paths."""

@@ -17,7 +17,7 @@ from usd_tools.files.atomic import Verify, written_beside
 from usd_tools.files.openusd_errors import TEMPORARY
 from usd_tools.files.openusd_gaps import flatten_stage, modify_asset_paths
 from usd_tools.files.packages import pack, unpack
-from usd_tools.files.paths import relative_asset_path
+from usd_tools.files.paths import extension, relative_asset_path
 from usd_tools.files.stages import export_layer
 from usd_tools.metrics.attributes import NAMESPACE, write_metric, write_source_codes, write_summary
 from usd_tools.skel.channels import CHANNELS, Channel, write_samples, write_values
@@ -205,7 +205,7 @@ def save(
         If it cannot be written.
     """
     with written_beside(out, verify) as beside:
-        if out.suffix == ".usdz":
+        if extension(out) == ".usdz":
             _save_package(override.layer, source, beside, flatten)
         else:
             layer = override.layer
@@ -227,7 +227,7 @@ def save_in_place(override: OverrideLayer, source: Path, verify: Verify | None =
     with open(source, "rb") as file:
         is_binary = file.read(8) == b"PXR-USDC"
     with written_beside(source, verify) as beside:
-        usd_format = ("usdc" if is_binary else "usda") if source.suffix == ".usd" else None
+        usd_format = ("usdc" if is_binary else "usda") if extension(source) == ".usd" else None
         export_layer(override.layer, beside, usd_format, check=True)
 
 
@@ -265,7 +265,7 @@ def save_layer(layer: Sdf.Layer, out: Path, usd_format: str | None = None) -> No
         If it cannot be written.
     """
     with written_beside(out) as beside:
-        if out.suffix == ".usdz":
+        if extension(out) == ".usdz":
             with tempfile.TemporaryDirectory(prefix=TEMPORARY) as folder:
                 pack(layer, Path(folder) / f"{out.stem}.usdc", beside)
         else:
@@ -292,7 +292,7 @@ def _save_package(override: Sdf.Layer, source: Path, out: Path, flatten: bool) -
     """Write a usdz package of an override layer, its source, and all files that they need."""
     with tempfile.TemporaryDirectory(prefix=TEMPORARY) as folder:
         context = _context(source)
-        if source.suffix == ".usdz":
+        if extension(source) == ".usdz":
             # A package in a package is not valid usdz, so the source is packed anew; its names may count from its root.
             context = _context(Path(folder) / source.name)
             source = unpack(source, Path(folder))

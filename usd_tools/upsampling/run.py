@@ -64,7 +64,8 @@ def upsample_file(
             )
             _write(layer, clips, messages)
             target.save(layer)
-        animations = _described(clips, options, messages)
+        stretch = _rate(stage, options) / stage.GetTimeCodesPerSecond()
+        animations = _described(clips, options, messages, stretch)
     # A file that was changed in place is read anew below, so prims may be gone from the stage.
     rate = _rate(stage, options)
     advice, dependencies = "", ""
@@ -242,12 +243,12 @@ def _write(layer: AnimationLayer, clips: Sequence[UpsampledClip], messages: Mess
 
 
 def _described(
-    clips: Sequence[UpsampledClip], options: UpsampleOptions, messages: Messages
+    clips: Sequence[UpsampledClip], options: UpsampleOptions, messages: Messages, stretch: float = 1.0
 ) -> tuple[UpsampledAnimation, ...]:
     for each in clips:
-        for sentence in warnings_of(each, options.verbose):
+        for sentence in warnings_of(each, options.verbose, stretch):
             messages.warn(sentence)
-    return tuple(map(describe, clips))
+    return tuple(describe(each, stretch) for each in clips)
 
 
 def _rate(stage: Usd.Stage, options: UpsampleOptions) -> float:

@@ -34,10 +34,14 @@ class UpsampledClip:
     xforms: tuple[tuple[XformOp, Channel], ...] = ()
 
 
-def warnings_of(upsampled: UpsampledClip, verbose: bool) -> list[str]:
-    """Return what went wrong, or may have."""
+def warnings_of(upsampled: UpsampledClip, verbose: bool, stretch: float = 1.0) -> list[str]:
+    """Return what went wrong, or may have; time codes are multiplied by `stretch`, as in `describe`."""
     clip = upsampled.clip
-    return _fallback_sentences(clip, upsampled.result.fallbacks) + _wide_sentences(clip, verbose) + _cut_sentences(clip)
+    return [
+        *_fallback_sentences(clip, upsampled.result.fallbacks, stretch),
+        *_wide_sentences(clip, verbose, stretch),
+        *_cut_sentences(clip, stretch),
+    ]
 
 
 def print_summary(result: UpsampleResult, verbose: bool) -> None:
@@ -97,12 +101,12 @@ def _growth(animation: UpsampledAnimation) -> str:
     return f"{animation.samples_before} -> {animation.samples_after} samples, {rates}"
 
 
-def _fallback_sentences(clip: SkelClip, fallbacks: Sequence[Fallback]) -> list[str]:
+def _fallback_sentences(clip: SkelClip, fallbacks: Sequence[Fallback], stretch: float) -> list[str]:
     """Name every slerped segment, one sentence a joint and reason."""
     names = short_names(clip.joints)
     segments: dict[tuple[str, str], list[str]] = {}
     for fallback in fallbacks:
-        start, end = (time * clip.codes_per_second for time in (fallback.start_time, fallback.end_time))
+        start, end = (time * clip.codes_per_second * stretch for time in (fallback.start_time, fallback.end_time))
         segments.setdefault((fallback.joint, fallback.status.sentence), []).append(f"{start:g} to {end:g}")
     return [
         f"{clip.path}: joint {names[joint]} uses slerp from time code {', '.join(where)}. {reason}"
@@ -110,10 +114,10 @@ def _fallback_sentences(clip: SkelClip, fallbacks: Sequence[Fallback]) -> list[s
     ]
 
 
-def _wide_sentences(clip: SkelClip, verbose: bool) -> list[str]:
+def _wide_sentences(clip: SkelClip, verbose: bool, stretch: float) -> list[str]:
     """Name the steps of which a file cannot tell the way: all of them, or the widest."""
     steps = sorted(wide_steps(clip, rotation_steps(clip)), key=lambda step: -step.degrees)
-    told = steps if verbose else steps[:1]
+    told = [step.stretched(stretch) for step in (steps if verbose else steps[:1])]
     are = "is" if len(steps) == 2 else "are"
     more = (
         f", and {counted(len(steps) - 1, 'other step')} {are} over {WIDE_DEGREES:g}" if len(steps) > len(told) else ""
@@ -123,11 +127,11 @@ def _wide_sentences(clip: SkelClip, verbose: bool) -> list[str]:
     return [f"{clip.path}: {step.in_words(names)}{more}; {beyond}" for step in told]
 
 
-def _cut_sentences(clip: SkelClip) -> list[str]:
+def _cut_sentences(clip: SkelClip, stretch: float) -> list[str]:
     """Name the cuts that were found."""
     if clip.given_cuts is not None or not len(clip.cuts):
         return []
-    where = [f"{start:g} to {end:g}" for start, end in clip.cuts[:_NAMED_CUTS]]
+    where = [f"{start:g} to {end:g}" for start, end in clip.cuts[:_NAMED_CUTS] * stretch]
     more = f" and {len(clip.cuts) - len(where)} more" if len(clip.cuts) > len(where) else ""
     return [
         f"{clip.path}: the pose jumps from time code {', '.join(where)}{more}, so it is held there as at a cut; use "
@@ -135,8 +139,21 @@ def _cut_sentences(clip: SkelClip) -> list[str]:
     ]
 
 
-def describe(upsampled: UpsampledClip) -> UpsampledAnimation:
-    """Return what was done to an animation, as plain values."""
+def describe(upsampled: UpsampledClip, stretch: float = 1.0) -> UpsampledAnimation:
+    """Return what was done to an animation, as plain values.
+
+    Parameters
+    ----------
+    upsampled : UpsampledClip
+    stretch : float
+        Time codes of the output for one of the source.
+        Optional, default: 1.
+
+    Returns
+    -------
+    animation : UpsampledAnimation
+        With time codes of the output.
+    """
     clip, chosen, degrees = upsampled.clip, upsampled.chosen, rotation_steps(upsampled.clip)
     largest = largest_step(clip, degrees)
     styles = chosen.metric.provenance.get("styles", ())
@@ -154,8 +171,8 @@ def describe(upsampled: UpsampledClip) -> UpsampledAnimation:
         samples_after=len(upsampled.codes),
         rate_before=clip.samples_per_second(),
         rate_after=clip.samples_per_second(upsampled.codes),
-        first_time_code=float(clip.codes[0]),
-        last_time_code=float(clip.codes[-1]),
+        first_time_code=float(clip.codes[0] * stretch),
+        last_time_code=float(clip.codes[-1] * stretch),
         channels={
             name: {
                 "samples_before": len(clip.channels[name].codes),
@@ -165,7 +182,7 @@ def describe(upsampled: UpsampledClip) -> UpsampledAnimation:
             for name, channel in upsampled.result.channels.items()
         },
         stepped_pairs=int(clip.steps.sum()),
-        cuts=tuple({"start": start, "end": end} for start, end in clip.cuts.tolist()),
+        cuts=tuple({"start": start, "end": end} for start, end in (clip.cuts * stretch).tolist()),
         xforms=tuple(
             {
                 "attribute": str(op.attribute.GetPath()),
@@ -174,13 +191,13 @@ def describe(upsampled: UpsampledClip) -> UpsampledAnimation:
             }
             for op, channel in upsampled.xforms
         ),
-        largest_step=None if largest is None else asdict(largest),
-        wide_steps=tuple(asdict(step) for step in wide_steps(clip, degrees)),
+        largest_step=None if largest is None else asdict(largest.stretched(stretch)),
+        wide_steps=tuple(asdict(step.stretched(stretch)) for step in wide_steps(clip, degrees)),
         fallbacks=tuple(
             {
                 "joint": fallback.joint,
-                "start": fallback.start_time * clip.codes_per_second,
-                "end": fallback.end_time * clip.codes_per_second,
+                "start": fallback.start_time * clip.codes_per_second * stretch,
+                "end": fallback.end_time * clip.codes_per_second * stretch,
                 "status": fallback.status.name,
                 "sentence": fallback.status.sentence,
             }

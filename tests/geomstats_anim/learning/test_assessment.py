@@ -1,5 +1,7 @@
 """What a metric is said to be worth: the names, what is in-sample, and the verdicts."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from wanderings import N_JOINTS, metric, noise, of_vectors, wandering
@@ -103,8 +105,13 @@ def test_a_metric_that_loses_says_so():
 
 def test_the_identity_ties_everywhere():
     truth = wandering(n_frames=61)
+    spline = replace(LearnedMetric.plain(truth.skeleton.joints, "geodesic-spline"), quality="hyb")
+    assert {one.verdict for one in assess(truth, 0.3, spline, lambda *_: spline)} == {"ties with the plain spline"}
+    # without a metric nobody would use slerp
     identity = learned(truth, MetricParameters.identity(N_JOINTS))
-    assert {one.verdict for one in assess(truth, 0.3, identity, lambda *_, same=identity: same)} == {"ties with slerp"}
+    scores = assess(truth, 0.3, identity, lambda *_: identity)
+    assert {one.verdict for one in scores} == {"loses to the plain spline"}
+    assert all(one.learned == pytest.approx(one.slerp) and one.plain < one.slerp for one in scores)
 
 
 def test_a_clip_that_slerp_rebuilds_ties():

@@ -79,8 +79,8 @@ def test_unknown_options_are_named_before_what_they_leave_missing(usage_error, v
         (
             "compare",
             ["--schemes", "geodesic:diag"],
-            "--schemes: the family of geodesic must be diagonal or spd, as in geodesic:spd, not 'diag'; did you mean "
-            "diagonal?",
+            "--schemes: the family of geodesic must be diagonal, spd or plain, as in geodesic:spd, not 'diag'; did you "
+            "mean diagonal?",
         ),
     ],
 )
@@ -95,8 +95,8 @@ def test_controls_in_arguments_are_escaped(usage_error, verb):
 
 @pytest.mark.parametrize("verb", ["upsample", "downsample"])
 def test_options_may_be_shortened(run, verb):
-    code, _, err = run(verb, "nowhere.usda", "-o", "out.usda", "--fac=2" if verb == "upsample" else "--rat=.5")
-    assert code == 1 and err.startswith("error: nowhere.usda")
+    code, _, err = run(verb, "missing.usda", "-o", "out.usda", "--fac=2" if verb == "upsample" else "--rat=.5")
+    assert code == 1 and err.startswith("error: missing.usda")
 
 
 def test_the_parser_costs_nothing():
