@@ -9,10 +9,11 @@ import numpy as np
 from geomstats_anim.animation import Animation, Skeleton
 from geomstats_anim.kernels import affine as kernel
 from geomstats_anim.kinematics import breadth_first
+from geomstats_anim.names import SHELL_RADIUS
 from geomstats_anim.rotations import Array
 
-SHELL_RADIUS = 0.03
-"""Metres from a joint to its shell: about half the thickness of a forearm."""
+_CHUNK = 64
+"""Frames at a time, where every marker of a skin is measured."""
 
 
 def joint_matrices(animation: Animation) -> Array:
@@ -80,11 +81,15 @@ class Markers:
         return cls.on_joints(np.zeros(0, dtype=np.intp), np.zeros((0, 3)))
 
     @classmethod
+    def of_ends(cls, skeleton: Skeleton) -> Markers:
+        """Mark the end of every bone."""
+        return cls.on_joints(np.arange(skeleton.n_joints), skeleton.bone_ends)
+
+    @classmethod
     def of_bones(cls, skeleton: Skeleton) -> Markers:
         """Mark every joint, and the end of its bone."""
-        joints = np.arange(skeleton.n_joints)
-        ends = np.concatenate([np.zeros((skeleton.n_joints, 3)), skeleton.bone_ends])
-        return cls.on_joints(np.tile(joints, 2), ends)
+        heads = cls.on_joints(np.arange(skeleton.n_joints), np.zeros((skeleton.n_joints, 3)))
+        return heads.joined(cls.of_ends(skeleton))
 
     @classmethod
     def of_shell(cls, animation: Animation, radius: float = SHELL_RADIUS) -> Markers:
@@ -137,6 +142,39 @@ class Markers:
         return places
 
 
+def spread(markers: Markers) -> np.ndarray:
+    """Choose the markers that reach furthest from their joints.
+
+    Parameters
+    ----------
+    markers : Markers
+
+    Returns
+    -------
+    chosen : array-like of int
+        Indices, at most 14 per joint: the furthest along every axis of its frame, and every diagonal between them.
+    """
+    grid = np.array(np.meshgrid(*[[-1.0, 0.0, 1.0]] * 3)).reshape(3, -1).T
+    directions = grid[np.isin(np.abs(grid).sum(axis=-1), (1.0, 3.0))]
+    owners, strongest = markers.owners, markers.weights.argmax(axis=-1)
+    reach = markers.offsets[np.arange(markers.n_markers), strongest] @ directions.T
+    own = [np.flatnonzero(owners == joint) for joint in np.unique(owners)]
+    return np.unique([some[reach[some].argmax(axis=0)] for some in own])
+
+
+def largest_by_marker(animation: Animation, reference: Animation, markers: Markers) -> Array:
+    """Measure the largest distance of each marker over all frames, shape=[P], metres; see `world_errors`."""
+    largest = np.zeros(markers.n_markers)
+    for start in range(0, reference.n_frames, _CHUNK):
+        frames = slice(start, start + _CHUNK)
+        distances = np.zeros((len(reference.times[frames]), markers.n_markers))
+        _raise_distances(
+            animation.at_frames(frames), reference.at_frames(frames), markers, np.arange(len(largest)), distances
+        )
+        largest = np.maximum(largest, distances.max(axis=0))
+    return largest
+
+
 def world_errors(animation: Animation, reference: Animation, markers: Markers | None = None) -> Array:
     """Measure how far markers are from where they should be in the world.
 
@@ -154,13 +192,19 @@ def world_errors(animation: Animation, reference: Animation, markers: Markers | 
     """
     markers = markers or Markers.of_bones(reference.skeleton)
     distances = np.zeros((reference.n_frames, reference.n_joints))
+    _raise_distances(animation, reference, markers, markers.owners, distances)
+    return distances
+
+
+def _raise_distances(
+    animation: Animation, reference: Animation, markers: Markers, owners: np.ndarray, distances: Array
+) -> None:
     kernel.largest_distances(
         joint_matrices(replace(animation, world=reference.world)),
         joint_matrices(reference),
-        markers.owners,
+        owners,
         markers.joints,
         markers.offsets,
         markers.weights,
         distances,
     )
-    return distances

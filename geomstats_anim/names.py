@@ -27,7 +27,13 @@ KINDS = ("loc", "rot", "hyb")
 """Kinds of quality."""
 
 LARGEST = "max"
-"""Criterion that counts only the largest distance of a bone end."""
+"""Criterion that counts only the largest distance of a marker."""
+
+SHELL_RADIUS = 0.03
+"""Metres from a joint to the points of its shell: about half the thickness of a forearm."""
+
+MEASURES = ("ends", "shell", "skin")
+"""Points that a tolerance is about: joints and bone ends; points around joints too; points of the skin too."""
 
 CRITERIA = (*KINDS, LARGEST)
 """Criteria by which keys may be chosen."""

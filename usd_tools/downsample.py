@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from geomstats_anim.names import CRITERIA, DEFAULT_SCHEME, FAMILIES, SCHEME_NAMES, SELECTIONS
+from geomstats_anim.names import CRITERIA, DEFAULT_SCHEME, FAMILIES, MEASURES, SCHEME_NAMES, SELECTIONS
 from usd_tools.console.arguments import add_output, add_prim, positive_number, share, time_codes, whole_number
 from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
@@ -173,8 +173,20 @@ def _add_choice(parse: ArgumentParser) -> None:
         "--tolerance",
         metavar="CM",
         type=positive_number,
-        help="keep the fewest samples with which every bone end stays within this distance, in centimetres; twists "
-        "about a bone's own axis move no bone end and may be lost",
+        help="keep the fewest samples with which every measured point stays within this distance in the world, in "
+        "centimetres",
+    )
+    parse.add_argument(
+        "--measure",
+        choices=MEASURES,
+        help="points that --tolerance is about: joints and bone ends (ends, the default), which twists about a bone's "
+        "own axis do not move; points around the joints too (shell); or the points of the skin too (skin)",
+    )
+    parse.add_argument(
+        "--shell",
+        metavar="CM",
+        type=positive_number,
+        help="distance of the points of --measure shell from the joints, in centimetres; default: 3",
     )
     parse.add_argument(
         "--select",

@@ -12,9 +12,10 @@ import numpy as np
 
 from geomstats_anim import SCHEMES, Animation, LearnedMetric, quality, uniform_keyframes
 from geomstats_anim import rotations as quat
-from geomstats_anim.criteria import location_errors, rotation_errors
+from geomstats_anim.criteria import rotation_errors
 from geomstats_anim.interpolation.tangents import STILL
 from geomstats_anim.learning.learn import learn_metric
+from geomstats_anim.markers import Markers, world_errors
 from geomstats_anim.names import FAMILIES, PURPOSES
 from usd_tools.comparison.options import SchemeChoice
 from usd_tools.learning.clips import TrainingClip
@@ -271,7 +272,7 @@ def _scores(rebuilt: Sequence[Animation], reference: Sequence[Animation]) -> dic
     }
     turns = turning(reference)
     angles = np.concatenate([rotation_errors(new, truth) for new, truth in pairs])[:, turns]
-    distances = np.concatenate([location_errors(new, truth) for new, truth in pairs])
+    distances = np.concatenate([world_errors(new, truth, Markers.of_ends(truth.skeleton)) for new, truth in pairs])
     return {
         **qualities,
         "mean_rotation_deg": float(np.degrees(angles.mean())) if turns.any() else 0.0,

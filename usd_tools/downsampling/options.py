@@ -5,7 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from geomstats_anim.names import CRITERIA, DEFAULT_SCHEME, FAMILIES, LARGEST, SCHEME_NAMES, SELECTIONS, WITH_METRIC
+from geomstats_anim.names import (
+    CRITERIA,
+    DEFAULT_SCHEME,
+    FAMILIES,
+    LARGEST,
+    MEASURES,
+    SCHEME_NAMES,
+    SELECTIONS,
+    SHELL_RADIUS,
+    WITH_METRIC,
+)
 from usd_tools.console.arguments import TimeCodes, as_time_codes, positive_number, share, whole_number
 from usd_tools.console.errors import UsageError
 from usd_tools.console.options import OutputOptions, one_of, option
@@ -22,7 +32,14 @@ class DownsampleOptions(OutputOptions):
     keys : int
         Number of samples to keep, of each animation.
     tolerance : float
-        Centimetres: the fewest samples are kept with which no bone end is ever further from its place.
+        Centimetres in the world: the fewest samples are kept with which no measured point is further from its place.
+    measure : str
+        Points that the tolerance is about: "ends", the joints and the ends of their bones; "shell", points around the
+        joints too, which twists move; "skin", the points of the meshes that the skeleton deforms too.
+        Optional, default: "ends".
+    shell : float
+        Distance of a shell from the joints, centimetres.
+        Optional, default: 3.
     select : str
         "optimal" or "uniform".
         Optional, default: "optimal".
@@ -45,6 +62,8 @@ class DownsampleOptions(OutputOptions):
     rate: float | None = option(None, share)
     keys: int | None = option(None, whole_number)
     tolerance: float | None = option(None, positive_number)
+    measure: str | None = option(None, one_of(MEASURES))
+    shell: float | None = option(None, positive_number)
     select: str = option(SELECTIONS[0], one_of(SELECTIONS))
     keep: TimeCodes | None = option(None, as_time_codes)
     scheme: str = option(DEFAULT_SCHEME, one_of(SCHEME_NAMES))
@@ -59,12 +78,21 @@ class DownsampleOptions(OutputOptions):
             raise UsageError(f"name exactly one of --rate, --keys and --tolerance, not {' and '.join(given) or 'none'}")
         if self.tolerance is not None and self.kind not in (None, LARGEST):
             raise UsageError(f"--kind {self.kind} needs --rate or --keys; --tolerance always uses the largest distance")
+        if self.measure is not None and self.criterion != LARGEST:
+            raise UsageError(f"--measure {self.measure} goes with --tolerance or --kind {LARGEST}")
+        if self.shell is not None and self.measure != "shell":
+            raise UsageError("--shell goes with --measure shell")
         if self.keep is not None and self.select == "uniform":
             raise UsageError("--keep needs --select optimal")
         if self.family is not None and self.scheme not in WITH_METRIC:
             raise UsageError(
                 f"--scheme {self.scheme} has no metric, so it has no family; leave out --family {self.family}"
             )
+
+    @property
+    def shell_centimetres(self) -> float:
+        """Distance of a shell from the joints."""
+        return 100.0 * SHELL_RADIUS if self.shell is None else self.shell
 
     @property
     def criterion(self) -> str:

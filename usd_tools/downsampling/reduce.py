@@ -11,11 +11,12 @@ import numpy as np
 from pxr import Usd
 
 from geomstats_anim import Animation, LearnedMetric, __version__, compress, interpolate, quality, uniform_keyframes
-from geomstats_anim.criteria import location_errors
 from geomstats_anim.keyframes.problem import KeyProblem, by_halving
 from geomstats_anim.learning.compression import Compressed
+from geomstats_anim.markers import Markers, world_errors
 from geomstats_anim.names import LARGEST
 from usd_tools.console.errors import Messages, ToolError
+from usd_tools.downsampling.measure import Measure
 from usd_tools.downsampling.options import DownsampleOptions
 from usd_tools.downsampling.thinning import Errors, SampleSelection, restored, sampled_alike
 from usd_tools.files.stages import stage_sha256
@@ -23,6 +24,7 @@ from usd_tools.metrics.attributes import read_metric, read_source_codes
 from usd_tools.metrics.explain import BY_JOINT, errors_by_joint
 from usd_tools.skel.clip import SkelClip, read_clip
 from usd_tools.skel.find import find_animations
+from usd_tools.skel.resampling import animation_of
 from usd_tools.skel.time_codes import codes_for, left_sparse
 
 _ROUNDING = 1e-2
@@ -54,6 +56,7 @@ class DownsampledClip:
         Path of the SkelAnimation.
     skeleton_paths : tuple of str
         Paths of the Skeletons that it drives; prims are gone when what is written changes the composition.
+    measure : Measure
     """
 
     selection: SampleSelection
@@ -65,6 +68,7 @@ class DownsampledClip:
     criterion: str
     path: str
     skeleton_paths: tuple[str, ...]
+    measure: Measure
 
     @property
     def clip(self) -> SkelClip:
@@ -113,6 +117,10 @@ def downsample_clip(
         messages.warn(note)
     if not (clip.is_animated and clip.joints):
         return None
+    if options.tolerance is not None and not clip.source.rig:
+        raise ToolError(
+            f"{clip.path} has no skeleton, so --tolerance cannot be measured; bind it to its skeleton, or use --rate."
+        )
     selection = SampleSelection.of(clip)
     if selection.kept_whole:
         messages.warn(
@@ -120,24 +128,32 @@ def downsample_clip(
             "for them."
         )
     animations = selection.animations
+    measure = Measure(clip, options)
     allowance = None if options.tolerance is None else 0.01 * options.tolerance
     margin = 0.0 if allowance is None else min(_ROUNDING_METRES, _ROUNDING * allowance)
     while True:
         try:
-            compressed = _compressed(clip, selection, animations, options, allowance and allowance - margin, watch)
+            compressed = _compressed(
+                clip, selection, animations, options, measure.few, allowance and allowance - margin, watch
+            )
         except ValueError as error:
             raise ToolError(f"{clip.path} cannot be downsampled with these options: {error}") from error
         sparse = selection.sparse(compressed.keyframes)
-        errors = Errors.between(restored(sparse, compressed.metric, clip.codes), clip)
-        over = 0.0 if options.tolerance is None else errors.centimetres.max(initial=0.0) - options.tolerance
+        dense = restored(sparse, compressed.metric, clip.codes)
+        errors = measure.errors(dense, clip)
+        over = 0.0 if options.tolerance is None else errors.largest - options.tolerance
         if over <= 0.0:
             break
+        if measure.add_missed(animation_of(dense), animation_of(clip), allowance or 0.0):
+            continue
         margin += 0.02 * over  # what is written is rounded, and other channels have a part in it
-    played = Errors.between(restored(sparse, compressed.metric, clip.codes, "slerp"), clip)
+    played = measure.errors(restored(sparse, compressed.metric, clip.codes, "slerp"), clip)
     metric = replace(compressed.metric, provenance=_provenance(path, clip, sparse, compressed.metric, errors, played))
-    uniform = _uniform(animations, errors, options)
+    uniform = _uniform(animations, errors, options, measure.markers)
     skeletons = tuple(str(prim.GetPath()) for prim in clip.source.skeletons)
-    return DownsampledClip(selection, sparse, metric, errors, played, uniform, options.criterion, clip.path, skeletons)
+    return DownsampledClip(
+        selection, sparse, metric, errors, played, uniform, options.criterion, clip.path, skeletons, measure
+    )
 
 
 def _compressed(
@@ -145,6 +161,7 @@ def _compressed(
     selection: SampleSelection,
     animations: Sequence[Animation],
     options: DownsampleOptions,
+    markers: Markers,
     tolerance: float | None,
     watch: Callable[[int, float], None],
 ) -> Compressed:
@@ -166,6 +183,7 @@ def _compressed(
         scheme=options.scheme,
         family=options.family,
         keep=keep,
+        markers=markers,
         progress=watch,
     )
 
@@ -212,19 +230,21 @@ def _provenance(
         "source_rate": clip.samples_per_second(),
         "source_range": [float(clip.codes[0]), float(clip.codes[-1])],
         "mean_degrees": round(float(errors.degrees.mean()), 6) if errors.degrees.size else 0.0,
-        "largest_centimetres": round(float(errors.centimetres.max(initial=0.0)), 6),
+        "largest_centimetres": round(errors.largest, 6),
         BY_JOINT: errors_by_joint(errors.joints, errors.degrees.mean(axis=0), played.degrees.mean(axis=0)),
     }
 
 
-def _uniform(animations: Sequence[Animation], errors: Errors, options: DownsampleOptions) -> list[np.ndarray]:
+def _uniform(
+    animations: Sequence[Animation], errors: Errors, options: DownsampleOptions, markers: Markers
+) -> list[np.ndarray]:
     """Equally spaced frames, the fewest that halving finds, from which slerp is as good."""
     if not animations:
         return []
     n_frames = sum(animation.n_frames for animation in animations)
     kind = options.criterion
     if kind == LARGEST:
-        allowed = max(0.01 * errors.centimetres.max(initial=0.0), 0.01 * (options.tolerance or 0.0))
+        allowed = 0.01 * max(errors.largest, options.tolerance or 0.0)
     else:
         allowed = errors.quality(kind) * len(errors.degrees)
 
@@ -233,7 +253,7 @@ def _uniform(animations: Sequence[Animation], errors: Errors, options: Downsampl
         for animation, frames in zip(animations, kept, strict=True):
             rebuilt = interpolate(animation.at_frames(frames), animation.times, "slerp")
             if kind == LARGEST:
-                found.append(float(location_errors(rebuilt, animation).max()))
+                found.append(float(world_errors(rebuilt, animation, markers).max()))
             else:
                 found.append(animation.n_frames * quality(rebuilt, animation, kind))
         return max(found) if kind == LARGEST else sum(found)
@@ -277,10 +297,10 @@ def verified(
         )
         metric, codes = read_metric(source.prim), read_source_codes(source.prim)
         assert metric is not None and codes is not None
-        errors = Errors.between(restored(read_clip(source), metric, codes), each.clip)
-        if options.tolerance is not None and errors.centimetres.max(initial=0.0) > options.tolerance:
+        errors = each.measure.errors(restored(read_clip(source), metric, codes), each.clip)
+        if options.tolerance is not None and errors.largest > options.tolerance:
             raise ToolError(
-                f"{path}: {each.path} is rebuilt only to within {errors.centimetres.max():g} cm, but --tolerance is "
+                f"{path}: {each.path} is rebuilt only to within {errors.largest:g} cm, but --tolerance is "
                 f"{options.tolerance:g}; please report this."
             )
         checked.append(replace(each, errors=errors))

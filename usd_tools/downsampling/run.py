@@ -139,7 +139,9 @@ def _described(
 ) -> tuple[DownsampledAnimation, ...]:
     animations = tuple(map(describe, clips))
     for animation in animations:
-        sentence = None if options.tolerance is None else twist_sentence(animation, options.tolerance)
+        if options.tolerance is None or options.measure not in (None, "ends"):
+            continue
+        sentence = twist_sentence(animation, options.tolerance)
         if sentence is not None:
             messages.warn(sentence)
     return animations

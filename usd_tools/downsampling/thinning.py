@@ -9,8 +9,8 @@ import numpy as np
 
 from geomstats_anim import Animation, LearnedMetric
 from geomstats_anim import rotations as quat
-from geomstats_anim.criteria import kind_shares
-from geomstats_anim.kinematics import world_pose
+from geomstats_anim.criteria import kind_shares, location_errors
+from geomstats_anim.markers import Markers, world_errors
 from geomstats_anim.rotations import Array
 from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip
@@ -22,7 +22,11 @@ them."""
 
 
 def sampled_alike(clip: SkelClip) -> SkelClip:
-    """Sample rotations and translations that change at the same times, as USD shows them; keys need both."""
+    """Sample rotations and translations that change at the same times, as USD shows them; keys need both.
+
+    What is constant becomes a default, if anything moves: its samples tell nothing, but may reach further in time.
+    """
+    clip = _without_constant_samples(clip)
     moving = {name: clip.channels[name] for name in THINNED if name in clip.channels}
     moving = {name: channel for name, channel in moving.items() if channel.is_animated and not channel.is_constant}
     codes = [channel.codes for channel in moving.values()]
@@ -137,30 +141,48 @@ class Errors:
     Parameters
     ----------
     joints : tuple of str, shape=[B]
-    degrees, centimetres : array-like, shape=[F, B]
-        Of local rotations, and of bone ends.
+    degrees : array-like, shape=[F, B]
+        Angles between local rotations.
+    centimetres : array-like, shape=[F, B]
+        Distances in the world, of what is shown of each joint.
+    largest : float
+        Largest distance in the world of all that is measured, centimetres.
+    metres : array-like, shape=[F, B]
+        Distances of bone ends as in the papers, which know no scales.
     """
 
     joints: tuple[str, ...]
     degrees: Array
     centimetres: Array
+    largest: float
+    metres: Array
 
     @classmethod
-    def between(cls, rebuilt: SkelClip, source: SkelClip) -> Errors:
+    def between(cls, rebuilt: SkelClip, source: SkelClip, shown: Markers, measured: Markers) -> Errors:
         """Compare two clips that have the same samples."""
         ours, truth = animation_of(rebuilt), animation_of(source)
         return cls(
             truth.skeleton.joints,
             np.degrees(quat.distance(truth.rotations, ours.rotations)),
-            100.0 * np.linalg.norm(world_pose(ours).ends - world_pose(truth).ends, axis=-1),
+            100.0 * world_errors(ours, truth, shown),
+            100.0 * float(world_errors(ours, truth, measured).max(initial=0.0)),
+            location_errors(ours, truth),
         )
 
     def quality(self, kind: str) -> float:
         """Quality as in `geomstats_anim.criteria`, without weights."""
-        location = float(((0.01 * self.centimetres) ** 2).sum(axis=-1).mean())
+        location = float((self.metres**2).sum(axis=-1).mean())
         rotation = float(np.radians(self.degrees).sum(axis=-1).mean())
         shares = kind_shares(kind)
         return shares.location * location + shares.rotation * rotation
+
+
+def _without_constant_samples(clip: SkelClip) -> SkelClip:
+    constant = {name: channel for name, channel in clip.channels.items() if channel.is_constant}
+    if not any(channel.is_animated for name, channel in clip.channels.items() if name not in constant):
+        return clip
+    defaults = {name: _samples(channel, np.zeros(len(channel.codes), dtype=bool)) for name, channel in constant.items()}
+    return replace(clip, channels={**clip.channels, **defaults})
 
 
 def _same_samples(one: Channel, other: Channel) -> bool:

@@ -145,4 +145,5 @@ def _reordered(animation: Animation, order: np.ndarray) -> Animation:
         old.bone_ends[order],
     )
     scales = None if animation.scales is None else animation.scales[:, order]
-    return Animation(skeleton, animation.times, animation.rotations[:, order], animation.translations[:, order], scales)
+    rotations, translations = animation.rotations[:, order], animation.translations[:, order]
+    return Animation(skeleton, animation.times, rotations, translations, scales, animation.world)

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from pxr import Usd
+from pxr import Usd, UsdGeom
 
 from geomstats_anim import Animation, Skeleton
 from geomstats_anim.names import repeated_name
@@ -16,9 +16,9 @@ from geomstats_anim.rotations import normalize
 from usd_tools.console.errors import ToolError
 from usd_tools.console.text import short_names
 from usd_tools.skel.channels import JOINT_CHANNELS, VALUE_CLIPS, Channel, read_channel, sampled_alike, step_pairs
-from usd_tools.skel.find import AnimationSource, chosen_variants
+from usd_tools.skel.find import BINDING, AnimationSource, chosen_variants, find_binding
 from usd_tools.skel.joint_names import read_names
-from usd_tools.skel.skeleton import BoundSkeleton, read_skeleton
+from usd_tools.skel.skeleton import BoundSkeleton, read_skeleton, world_matrices
 from usd_tools.skel.source_codes import stored_source_codes
 
 
@@ -46,6 +46,8 @@ class SkelClip:
     source : AnimationSource
     skeleton : Skeleton
         All joints of the bound skeleton, then those that only the animation has, parents first; metres.
+    rest_scales : array-like, shape=[B, 3]
+        Of its joints in their rest pose.
     joints : tuple of str, shape=[N]
         The animation's joints, in its own order.
     columns : array-like of int, shape=[N]
@@ -66,6 +68,7 @@ class SkelClip:
 
     source: AnimationSource
     skeleton: Skeleton
+    rest_scales: np.ndarray
     joints: tuple[str, ...]
     columns: np.ndarray
     channels: Mapping[str, Channel]
@@ -160,18 +163,38 @@ class SkelClip:
         pose = {
             "rotations": self.skeleton.rest_rotations,
             "translations": self.skeleton.rest_translations,
-            "scales": np.ones((self.skeleton.n_joints, 3)),
+            "scales": self.rest_scales,
         }
         arrays: dict[str, np.ndarray] = {}
         for name, rest in pose.items():
             channel = self.channels.get(name)
-            if channel is None and name == "scales":
+            if channel is None and name == "scales" and (rest == 1.0).all():
                 continue
             arrays[name] = np.tile(rest, (len(codes), 1, 1))
             if channel is not None:
                 values = channel.values[samples] if name in names else channel.default[None]
                 arrays[name][:, self.columns] = self._to_metric_units(name, values)
-        return Animation(self.skeleton, codes / self.codes_per_second, **arrays)
+        return Animation(self.skeleton, codes / self.codes_per_second, **arrays, world=self._placements(codes))
+
+    @cached_property
+    def _is_rigid(self) -> bool:
+        """Whether lengths in the world are those of `skeleton` at all times."""
+        if not self.source.rig:
+            return True
+        linear = world_matrices(self.source.rig[0], self.codes)[:, :3, :3] / self._file_scale
+        return np.allclose(linear @ linear.transpose(0, 2, 1), np.eye(3), rtol=0.0, atol=1e-6)
+
+    @property
+    def _file_scale(self) -> float:
+        """World units of the file per unit of the skeleton's space."""
+        return self.world_scale / UsdGeom.GetStageMetersPerUnit(self.source.stage)
+
+    def _placements(self, codes: np.ndarray) -> np.ndarray | None:
+        """Return where the skeleton is in the world, see `Animation`; None where that changes no length."""
+        if self._is_rigid:
+            return None
+        matrices = world_matrices(self.source.rig[0], codes).transpose(0, 2, 1)[:, :3] / self._file_scale
+        return np.concatenate([matrices[..., :3], matrices[..., 3:] * self.world_scale], axis=-1)
 
     def _to_metric_units(self, name: str, values: np.ndarray) -> np.ndarray:
         values = values.astype(np.float64)
@@ -217,12 +240,21 @@ def read_clip(source: AnimationSource) -> SkelClip:
     rate = source.stage.GetTimeCodesPerSecond()
     for channel in channels.values():
         _check_times(source.path, channel.codes, rate)
-    first_code = min((channel.codes[0] for channel in channels.values() if len(channel.codes)), default=None)
-    bound = read_skeleton(source, joints, channels, first_code)
+    bound = read_skeleton(source, joints, channels)
     absent = [name for name in JOINT_CHANNELS if name not in channels and not _is_blocked(source.prim, name)]
     is_partly_authored = joints and any(name in channels for name in JOINT_CHANNELS)
     missing = _rest_values(bound, absent) if is_partly_authored else {}
-    clip = SkelClip(bound.source, bound.skeleton, joints, bound.columns, channels, missing, bound.world_scale, rate)
+    clip = SkelClip(
+        bound.source,
+        bound.skeleton,
+        bound.rest_scales,
+        joints,
+        bound.columns,
+        channels,
+        missing,
+        bound.world_scale,
+        rate,
+    )
     stored = stored_source_codes(source.prim, clip.codes)
     if stored is not None:
         # The samples that are left say nothing of the gaps between them.
@@ -277,7 +309,7 @@ def _rest_values(bound: BoundSkeleton, names: Sequence[str]) -> dict[str, np.nda
     rest = {
         "rotations": skeleton.rest_rotations[columns],
         "translations": skeleton.rest_translations[columns] / bound.world_scale,
-        "scales": np.ones((len(columns), 3)),
+        "scales": bound.rest_scales[columns],
     }
     return {name: rest[name] for name in names if name == "scales" or bound.has_rest}
 
@@ -290,16 +322,23 @@ def _missing_note(clip: SkelClip, absent: Sequence[str]) -> str:
 
 
 def _binding_notes(clip: SkelClip) -> list[str]:
-    """Return a note on an animation that has no joint of the skeleton that it drives."""
+    """Return notes on a binding that OpenUSD ignores, and on an animation that has no joint of what it drives."""
     joints, skeletons = clip.joints, clip.source.skeletons
+    notes = [
+        f"{binding.GetPath()} has skel:animationSource {binding.GetRelationship(BINDING).GetTargets()[0]}, but "
+        "SkelBindingAPI is not applied, so USD ignores it."
+        for binding in map(find_binding, clip.source.ignored)
+        if binding
+    ]
     own = read_names(skeletons[0], "joints") if skeletons else ()
     if not own or not joints or set(own) & set(joints):
-        return []
+        return notes
     names = short_names([*joints, *own])
     others = ", ".join(names[joint] for joint in own[:3])
     return [
+        *notes,
         f"{clip.path} has no joint of {skeletons[0].GetPath()}, which it drives, so nothing moves in viewers; "
-        f"{names[joints[0]]} is not one of {others}{'' if len(own) <= 3 else ' and others'}."
+        f"{names[joints[0]]} is not one of {others}{'' if len(own) <= 3 else ' and others'}.",
     ]
 
 

@@ -10,6 +10,9 @@ from pxr import Sdf, Usd, UsdSkel
 
 from usd_tools.console.errors import ToolError
 
+BINDING = "skel:animationSource"
+"""Relationship of a skeleton, or of an ancestor, to the animation that drives it."""
+
 
 @dataclass(frozen=True)
 class AnimationSource:
@@ -23,16 +26,24 @@ class AnimationSource:
         The prim; inside instances, its proxy in each of them.
     skeletons : tuple of Usd.Prim
         The skeletons that it drives; none for an animation of a library.
+    ignored : tuple of Usd.Prim
+        Skeletons whose `skel:animationSource` names it, but does not count: SkelBindingAPI is not applied.
     """
 
     stage: Usd.Stage
     prims: tuple[Usd.Prim, ...]
     skeletons: tuple[Usd.Prim, ...]
+    ignored: tuple[Usd.Prim, ...] = ()
 
     @property
     def prim(self) -> Usd.Prim:
         """The prim to read."""
         return self.prims[0]
+
+    @property
+    def rig(self) -> tuple[Usd.Prim, ...]:
+        """The skeletons to measure on: those that it drives, else those that name it."""
+        return self.skeletons or self.ignored
 
     @property
     def path(self) -> str:
@@ -54,6 +65,7 @@ def find_animations(stage: Usd.Stage) -> list[AnimationSource]:
     """
     prims: dict[Sdf.Path, list[Usd.Prim]] = {}
     skeletons: dict[Sdf.Path, list[Usd.Prim]] = {}
+    ignored: dict[Sdf.Path, list[Usd.Prim]] = {}
     cache = UsdSkel.Cache()
     for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()):
         if prim.IsA(UsdSkel.Animation):
@@ -62,9 +74,32 @@ def find_animations(stage: Usd.Stage) -> list[AnimationSource]:
             query = cache.GetSkelQuery(UsdSkel.Skeleton(prim)).GetAnimQuery()
             if query:
                 skeletons.setdefault(_shared_path(query.GetPrim()), []).append(prim)
+            elif named := _named_animation(prim):
+                ignored.setdefault(_shared_path(named), []).append(prim)
     for path in skeletons:
         prims.setdefault(path, [stage.GetPrimAtPath(path)])
-    return [AnimationSource(stage, tuple(found), tuple(skeletons.get(path, ()))) for path, found in prims.items()]
+    return [
+        AnimationSource(stage, tuple(found), tuple(skeletons.get(path, ())), tuple(ignored.get(path, ())))
+        for path, found in prims.items()
+    ]
+
+
+def find_binding(skeleton: Usd.Prim) -> Usd.Prim | None:
+    """Return the prim, a skeleton or its nearest ancestor, that names an animation; None if none does."""
+    prim = skeleton
+    while prim and not prim.IsPseudoRoot():
+        if prim.GetRelationship(BINDING).HasAuthoredTargets():
+            return prim
+        prim = prim.GetParent()
+    return None
+
+
+def _named_animation(skeleton: Usd.Prim) -> Usd.Prim | None:
+    """Return the animation that a skeleton names in a binding that OpenUSD ignores."""
+    binding = find_binding(skeleton)
+    targets = binding.GetRelationship(BINDING).GetForwardedTargets() if binding else []
+    prim = skeleton.GetStage().GetPrimAtPath(targets[0]) if targets else None
+    return prim if prim and prim.IsA(UsdSkel.Animation) else None
 
 
 def _shared_path(prim: Usd.Prim) -> Sdf.Path:
@@ -106,7 +141,7 @@ def select_animations(path: Path, sources: list[AnimationSource], wanted: Sequen
         below = [
             source
             for source in sources
-            if any(prim.GetPath().HasPrefix(prefix) for prim in (*source.prims, *source.skeletons))
+            if any(prim.GetPath().HasPrefix(prefix) for prim in (*source.prims, *source.skeletons, *source.ignored))
         ]
         if not below:
             raise ToolError(f"--prim {text} has no skeletal animation in {path}; usd_tools.inspect lists them.")

@@ -8,9 +8,7 @@ from pxr import Sdf, Usd, UsdSkel
 
 from usd_tools.console.errors import Messages
 from usd_tools.skel.channels import CHANNELS
-from usd_tools.skel.find import AnimationSource
-
-BINDING = "skel:animationSource"
+from usd_tools.skel.find import BINDING, AnimationSource
 
 
 class Layer(Protocol):

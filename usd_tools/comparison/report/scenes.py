@@ -10,8 +10,8 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from geomstats_anim import Animation, LearnedMetric, Skeleton
-from geomstats_anim.criteria import location_errors
 from geomstats_anim.kinematics import place, world_pose
+from geomstats_anim.markers import Markers, world_errors
 from usd_tools.comparison.options import SchemeChoice
 from usd_tools.comparison.results import ComparedClip
 from usd_tools.comparison.trials import Rebuilt, TrialResult, rebuild
@@ -127,7 +127,7 @@ class Scene:
         return {
             word: np.concatenate(
                 [
-                    100.0 * location_errors(new, truth).mean(axis=1)
+                    100.0 * world_errors(new, truth, Markers.of_ends(truth.skeleton)).mean(axis=1)
                     for new, truth in zip(rebuilt.stretches, self.stretches, strict=True)
                 ]
             )
