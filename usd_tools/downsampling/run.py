@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from pxr import Usd
@@ -17,7 +18,7 @@ from usd_tools.files.atomic import write_json
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_unheard, usd_warnings
 from usd_tools.files.paths import check_output, same_file
 from usd_tools.files.stages import describe_dependencies, open_stage, stage_path
-from usd_tools.skel.clip import read_clip
+from usd_tools.skel.clip import read_clip, variant_notes
 from usd_tools.skel.edit_target import EditTargetLayer
 from usd_tools.skel.find import AnimationSource, find_animations, select_animations
 from usd_tools.skel.output import Output
@@ -44,10 +45,12 @@ def downsample_file(
     target.check_layers(stage)
     size_before = source.stat().st_size
     with usd_warnings(messages), reading(source):
-        sources = select_animations(source, find_animations(stage), options.prim)
+        everyone = find_animations(stage)
+        sources = select_animations(source, everyone, options.prim)
         target = target.without_source(sources)
-        clips = _downsampled(source, sources, options, messages, progress)
+        clips = _downsampled(source, sources, options, messages, progress, not target.copy)
         layer = target.layer(stage, TOOL, options.settings(), messages)
+        layer.replace_samples([each.clip.source for each in clips], everyone)
         _write(layer, clips, messages)
         checked: list[DownsampledClip] = []
 
@@ -114,11 +117,15 @@ def _downsampled(
     options: DownsampleOptions,
     messages: Messages,
     progress: ProgressCallback | None,
+    hides_variants: bool = True,
 ) -> list[DownsampledClip]:
-    found = [
-        downsample_clip(path, read_clip(source), options, messages, SearchProgress(progress, None).watch)
-        for source in sources
-    ]
+    found = []
+    for source in sources:
+        clip = read_clip(source)
+        if not hides_variants:
+            hidden = variant_notes(clip)
+            clip = replace(clip, notes=tuple(note for note in clip.notes if note not in hidden))
+        found.append(downsample_clip(path, clip, options, messages, SearchProgress(progress, None).watch))
     clips = [each for each in found if each is not None]
     if not clips:
         raise ToolError(f"{path} has no skeletal animation with at least two samples.")

@@ -342,15 +342,19 @@ def _binding_notes(clip: SkelClip) -> list[str]:
     ]
 
 
+def variant_notes(clip: SkelClip) -> list[str]:
+    """Return notes on the variants that samples written over an animation hide."""
+    if not clip.is_animated:
+        return []
+    return [
+        f"{clip.path} is of the variant {variant}; the output overrides its other variants."
+        for variant in chosen_variants(clip.source.prim)
+    ]
+
+
 def _composition_notes(clip: SkelClip) -> list[str]:
     """Return notes on what samples that are written over an animation hide."""
-    notes = []
-    if clip.is_animated:
-        notes += [
-            f"{clip.path} is of the variant {variant}; the output overrides its other variants."
-            for variant in chosen_variants(clip.source.prim)
-        ]
-    return notes + [
+    return variant_notes(clip) + [
         f"{clip.path}: {name} come from value clips; the samples in the output override them."
         for name, channel in clip.channels.items()
         if channel.source == VALUE_CLIPS

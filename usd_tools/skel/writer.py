@@ -23,6 +23,7 @@ from usd_tools.metrics.attributes import NAMESPACE, write_metric, write_source_c
 from usd_tools.skel.channels import CHANNELS, Channel, write_samples, write_values
 from usd_tools.skel.find import AnimationSource
 from usd_tools.skel.instancing import editable_paths
+from usd_tools.skel.replaced import home_of, replaced_samples
 
 MADE_BY = "geomstats_anim"
 """Key of `customLayerData` that says what made a file."""
@@ -166,6 +167,42 @@ class OverrideLayer(AnimationLayer):
             if root.HasEndTimeCode():
                 self.layer.endTimeCode = root.endTimeCode * stretch
         self.layer.customLayerData = {**root.customLayerData, **made_by(tool, settings)}
+        self._is_copy = base is not None
+        self._homes: dict[Sdf.Path, Sdf.Path] = {}
+        self._replaced: list[Sdf.Path] = []
+
+    def spec_path(self, path: Sdf.Path) -> Sdf.Path:
+        """Return where a prim of the stage is in the layer."""
+        return self._homes.get(path, path)
+
+    def replace_samples(self, selected: Sequence[AnimationSource], everyone: Sequence[AnimationSource]) -> None:
+        """Remove the samples of some animations from all that they inherit or reference, and write in their variants.
+
+        Parameters
+        ----------
+        selected : sequence of AnimationSource
+            Whose samples will be written, all of them.
+        everyone : sequence of AnimationSource
+            All of the stage; what any other uses stays.
+
+        Raises
+        ------
+        ToolError
+            If samples cannot be replaced without changing other variants.
+        """
+        for source in selected:
+            if self._is_copy:
+                self._homes[source.prim.GetPath()] = home_of(source)
+            self._replaced += replaced_samples(source, selected, everyone)
+        if self._is_copy:
+            self.remove_replaced(self.layer)
+
+    def remove_replaced(self, layer: Sdf.Layer) -> None:
+        """Remove the samples that `replace_samples` found from a layer."""
+        for path in self._replaced:
+            attribute = layer.GetAttributeAtPath(path)
+            if attribute:
+                attribute.ClearInfo("timeSamples")
 
 
 def _attribute(spec: Sdf.PrimSpec, name: str) -> Sdf.AttributeSpec:
@@ -206,11 +243,11 @@ def save(
     """
     with written_beside(out, verify) as beside:
         if extension(out) == ".usdz":
-            _save_package(override.layer, source, beside, flatten)
+            _save_package(override, source, beside, flatten)
         else:
             layer = override.layer
             if flatten:
-                layer = _flatten_override(layer, source, out.parent, _context(source))
+                layer = _flatten_override(override, source, out.parent, _context(source))
             else:
                 layer.subLayerPaths = [relative_asset_path(source, out.parent)]
             export_layer(layer, beside, usd_format, check=flatten)
@@ -272,13 +309,15 @@ def save_layer(layer: Sdf.Layer, out: Path, usd_format: str | None = None) -> No
             export_layer(layer, beside, usd_format)
 
 
-def _flatten_override(override: Sdf.Layer, source: Path, folder: Path, context: Ar.ResolverContext) -> Sdf.Layer:
+def _flatten_override(override: OverrideLayer, source: Path, folder: Path, context: Ar.ResolverContext) -> Sdf.Layer:
     """Flatten an override and its source into one layer, with the files that it needs named as seen from a folder."""
-    override.subLayerPaths = [os.path.abspath(source)]
-    layer = flatten_stage(Usd.Stage.Open(override, context))
-    for key in sorted(override.pseudoRoot.ListInfoKeys()):
+    over = override.layer
+    over.subLayerPaths = [os.path.abspath(source)]
+    layer = flatten_stage(Usd.Stage.Open(over, context))
+    override.remove_replaced(layer)
+    for key in sorted(over.pseudoRoot.ListInfoKeys()):
         if key not in _NOT_COPIED or key == "customLayerData":
-            layer.pseudoRoot.SetInfo(key, override.pseudoRoot.GetInfo(key))
+            layer.pseudoRoot.SetInfo(key, over.pseudoRoot.GetInfo(key))
     modify_asset_paths(layer, lambda path: relative_asset_path(Path(path), folder) if os.path.isabs(path) else path)
     return layer
 
@@ -288,7 +327,7 @@ def _context(path: Path) -> Ar.ResolverContext:
     return Ar.GetResolver().CreateDefaultContextForAsset(os.path.abspath(path))
 
 
-def _save_package(override: Sdf.Layer, source: Path, out: Path, flatten: bool) -> None:
+def _save_package(override: OverrideLayer, source: Path, out: Path, flatten: bool) -> None:
     """Write a usdz package of an override layer, its source, and all files that they need."""
     with tempfile.TemporaryDirectory(prefix=TEMPORARY) as folder:
         context = _context(source)
@@ -302,7 +341,7 @@ def _save_package(override: Sdf.Layer, source: Path, out: Path, flatten: bool) -
         if flatten:
             layer = _flatten_override(override, source, root.parent, context)
         else:
-            layer = override
+            layer = override.layer
             layer.subLayerPaths = [os.path.abspath(source)]
         with Ar.ResolverContextBinder(context):
             pack(layer, root, out)
