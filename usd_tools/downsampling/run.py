@@ -18,7 +18,7 @@ from usd_tools.files.atomic import write_json
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_unheard, usd_warnings
 from usd_tools.files.paths import check_output, same_file
 from usd_tools.files.stages import describe_dependencies, open_stage, stage_path
-from usd_tools.skel.clip import read_clip, variant_notes
+from usd_tools.skel.clip import read_clips, variant_notes
 from usd_tools.skel.edit_target import EditTargetLayer
 from usd_tools.skel.find import AnimationSource, find_animations, select_animations
 from usd_tools.skel.output import Output
@@ -120,8 +120,7 @@ def _downsampled(
     hides_variants: bool = True,
 ) -> list[DownsampledClip]:
     found = []
-    for source in sources:
-        clip = read_clip(source)
+    for clip in read_clips(sources, messages):
         if not hides_variants:
             hidden = variant_notes(clip)
             clip = replace(clip, notes=tuple(note for note in clip.notes if note not in hidden))

@@ -13,7 +13,8 @@ from usd_tools.files.paths import EXTENSIONS, extension, same_file
 from usd_tools.files.stages import open_stage
 from usd_tools.learning.clips import TrainingClip, rig_difference, training_clip, with_joint_order
 from usd_tools.learning.result import Skipped
-from usd_tools.skel.clip import SkelClip, read_clip
+from usd_tools.skel.clip import SkelClip
+from usd_tools.skel.clip import read_clips as read_skel_clips
 from usd_tools.skel.find import find_animations, select_animations
 from usd_tools.skel.time_codes import left_sparse
 from usd_tools.skel.writer import MADE_BY
@@ -87,10 +88,8 @@ def read_clips(path: Path, prims: Sequence[str], messages: Messages, stage: Usd.
     """
     try:
         with reading(path):
-            clips = [
-                read_clip(source)
-                for source in select_animations(path, find_animations(stage or open_stage(path)), prims)
-            ]
+            sources = select_animations(path, find_animations(stage or open_stage(path)), prims)
+            clips = read_skel_clips(sources, messages)
     except ToolError as error:
         raise ToolError(str(error) if str(path) in str(error) else f"{path}: {error}") from error
     for clip in clips:

@@ -12,8 +12,8 @@ from pxr import Usd, UsdGeom
 
 from geomstats_anim import Animation, Skeleton
 from geomstats_anim.names import repeated_name
-from geomstats_anim.rotations import normalize
-from usd_tools.console.errors import ToolError
+from geomstats_anim.rotations import IDENTITY, normalize
+from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.text import short_names
 from usd_tools.skel.channels import JOINT_CHANNELS, VALUE_CLIPS, Channel, read_channel, sampled_alike, step_pairs
 from usd_tools.skel.find import BINDING, AnimationSource, chosen_variants, find_binding
@@ -201,12 +201,8 @@ class SkelClip:
         if name == "translations":
             return values * self.world_scale
         if name == "rotations":
-            zeros = np.argwhere(np.linalg.norm(values, axis=-1) < 1e-6)
-            if len(zeros):
-                joint = short_names(self.joints)[self.joints[zeros[0][1]]]
-                raise ToolError(
-                    f"{self.path}: joint {joint} has a rotation that is a quaternion of length 0; repair the file."
-                )
+            # of joints that never move, see `_check_rotations`: OpenUSD shows them unturned
+            values[_has_no_length(values)] = IDENTITY
             return normalize(values)
         return values
 
@@ -214,6 +210,39 @@ class SkelClip:
         """Return the values of a channel in the file's unit and its order of joints, shape=[F, N, C], float64."""
         values = getattr(animation, name)[:, self.columns]
         return values / self.world_scale if name == "translations" else values
+
+
+def read_clips(sources: Sequence[AnimationSource], messages: Messages) -> list[SkelClip]:
+    """Read animations; one of several that is broken is named, and left as it is.
+
+    Parameters
+    ----------
+    sources : sequence of AnimationSource
+    messages : Messages
+        Told of those that are broken.
+
+    Returns
+    -------
+    clips : list of SkelClip
+        At least one, in the same order.
+
+    Raises
+    ------
+    ToolError
+        If none can be read.
+    """
+    clips: list[SkelClip] = []
+    errors: list[ToolError] = []
+    for source in sources:
+        try:
+            clips.append(read_clip(source))
+        except ToolError as error:
+            errors.append(error)
+    if not clips:
+        raise errors[0]
+    for broken in errors:
+        messages.warn(f"{str(broken).rstrip('.')}; it is left as it is (--prim chooses animations).")
+    return clips
 
 
 def read_clip(source: AnimationSource) -> SkelClip:
@@ -230,13 +259,15 @@ def read_clip(source: AnimationSource) -> SkelClip:
     Raises
     ------
     ToolError
-        If joints repeat, a value has the wrong size, or a number is not finite.
+        If joints repeat, a value has the wrong size, a number is not finite, or a joint that moves has a rotation of no
+        length.
     """
     joints = read_names(source.prim, "joints")
     twice = repeated_name(joints)
     if twice is not None:
         raise ToolError(f"{source.path}: joint {twice} is listed twice in joints; repair the file.")
     channels, notes = _read_channels(source, joints)
+    _check_rotations(source.path, joints, channels.get("rotations"))
     rate = source.stage.GetTimeCodesPerSecond()
     for channel in channels.values():
         _check_times(source.path, channel.codes, rate)
@@ -281,6 +312,21 @@ def _read_channels(source: AnimationSource, joints: Sequence[str]) -> tuple[dict
         # USD holds weights whose number changes; they cannot be interpolated, but need not keep the joints from it.
         notes.append(f"{str(error).removesuffix('; repair the file.')}; the weights are left as they are.")
     return channels, notes
+
+
+def _has_no_length(quaternions: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(quaternions, axis=-1) < 1e-6
+
+
+def _check_rotations(path: str, joints: Sequence[str], channel: Channel | None) -> None:
+    """Refuse a quaternion of no length, but of joints that never move: there OpenUSD shows it, without a turn."""
+    if channel is None:
+        return
+    moves = ~channel.holds.all(axis=0)
+    zeros = np.argwhere(_has_no_length(channel.values[~channel.blocked].astype(np.float64)) & moves)
+    if len(zeros):
+        joint = short_names(joints)[joints[zeros[0][1]]]
+        raise ToolError(f"{path}: joint {joint} has a rotation that is a quaternion of length 0; repair the file.")
 
 
 def _check_times(path: str, codes: np.ndarray, rate: float) -> None:

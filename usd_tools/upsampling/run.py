@@ -16,7 +16,7 @@ from usd_tools.console.progress import Progress, ProgressCallback
 from usd_tools.files.atomic import write_json
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
 from usd_tools.files.stages import describe_dependencies, open_stage, stage_path
-from usd_tools.skel.clip import SkelClip, read_clip
+from usd_tools.skel.clip import SkelClip, read_clips
 from usd_tools.skel.edit_target import EditTargetLayer
 from usd_tools.skel.find import AnimationSource, find_animations, select_animations
 from usd_tools.skel.frame_rates import rate_like
@@ -156,7 +156,7 @@ def _with_xforms(upsampled: UpsampledClip, options: UpsampleOptions, messages: M
 
 def _animated(path: Path, sources: list[AnimationSource], messages: Messages) -> list[SkelClip]:
     """Read the animations, and keep those that move."""
-    clips = [read_clip(source) for source in sources]
+    clips = read_clips(sources, messages)
     for clip in clips:
         for note in clip.notes:
             messages.warn(note)
