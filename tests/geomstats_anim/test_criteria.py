@@ -143,6 +143,7 @@ def test_small_angles_are_exact_and_half_turns_finite():
         ({"kind": "all"}, "There is no quality 'all'; the kinds are loc, rot, hyb."),
         ({"weights": "size"}, "weights must be None, \"depth\" or one number per joint, but it is 'size'."),
         ({"weights": [1.0]}, "weights has shape (1,), but 6 numbers that are at least 0 are needed."),
+        ({"weights": [1.0] * 7}, "weights has shape (7,), but 6 numbers that are at least 0 are needed."),
         ({"weights": [1, 1, 1, 1, 1, -1]}, "weights has shape (6,), but 6 numbers that are at least 0 are needed."),
         ({"weights": [1, 1, 1, 1, 1, np.nan]}, "weights has shape (6,), but 6 numbers that are at least 0 are needed."),
         ({"location_weight": 1.5}, "location_weight must be between 0 and 1, but it is 1.5."),
