@@ -1,4 +1,4 @@
-"""What `compare` can be asked for."""
+"""Options of `compare`."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class SchemeChoice:
 
     @property
     def purposes(self) -> tuple[str | None, ...]:
-        """What it may be learned for; None alone for a scheme that learns nothing."""
+        """Purposes that it may be learned for; None alone for a scheme that learns nothing."""
         return (None,) if self.family is None else tuple(reversed(PURPOSES))
 
 

@@ -1,4 +1,4 @@
-"""What `compare` found."""
+"""Result of `compare`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ TOOL = "usd_tools.compare"
 
 @dataclass(frozen=True)
 class CompareResult:
-    """What `compare` found.
+    """Result of `compare`.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a comparison leaves on disk besides its report: rows as JSON and CSV, and every rebuilt clip as USD."""
+"""Write what a comparison leaves on disk besides its report: rows as JSON and CSV, and every rebuilt clip as USD."""
 
 from __future__ import annotations
 

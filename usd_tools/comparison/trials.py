@@ -52,7 +52,7 @@ class Trial:
 
 @dataclass(frozen=True)
 class Row:
-    """What a trial came to; None where it failed, or where there is nothing to tell.
+    """Scores of a trial; None where it failed, or where a column does not apply.
 
     Parameters
     ----------
@@ -190,7 +190,7 @@ def measure(trial: Trial, take: TrainingClip, kind: str) -> TrialResult:
 
 
 def failed(trial: Trial, error: Exception) -> TrialResult:
-    """Tell in its row why a trial failed."""
+    """Return the result of a trial that failed, with the reason in its row."""
     kind = "" if isinstance(error, ValueError) else f"{type(error).__name__}: "
     return TrialResult(trial, replace(_row(trial), error=kind + " ".join(str(error).split())))
 
@@ -282,6 +282,6 @@ def _scores(rebuilt: Sequence[Animation], reference: Sequence[Animation]) -> dic
 
 
 def turning(stretches: Sequence[Animation]) -> np.ndarray:
-    """Which joints turn at all, shape=[B]."""
+    """Return which joints turn at all, shape=[B]."""
     first = stretches[0].rotations[:1]
     return np.any([(quat.distance(part.rotations, first) >= STILL).any(axis=0) for part in stretches], axis=0)

@@ -109,7 +109,7 @@ def _plain(value: Any) -> Any:
 
 @dataclass(frozen=True, kw_only=True)
 class PrimOptions(Options):
-    """Which animations of a file or stage to work on.
+    """Choice of the animations of a file or stage to work on.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ class PrimOptions(Options):
 
 @dataclass(frozen=True, kw_only=True)
 class OutputOptions(PrimOptions):
-    """How a result is written to a file; an open stage takes none of these.
+    """Options for writing a result to a file; an open stage takes none of these.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What `downsample` can be asked for."""
+"""Options of `downsample`."""
 
 from __future__ import annotations
 

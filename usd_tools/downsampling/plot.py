@@ -1,4 +1,4 @@
-"""Which samples were kept, over the speed of the motion, and how far off the rebuilt frames are."""
+"""Draw the samples that were kept, over the speed of the motion, and the errors of the rebuilt frames."""
 
 from __future__ import annotations
 

@@ -217,7 +217,7 @@ def _counts(animations: Sequence[Animation], options: DownsampleOptions, keep: l
 def _provenance(
     path: Path, clip: SkelClip, sparse: SkelClip, metric: LearnedMetric, errors: Errors, played: Errors
 ) -> dict[str, Any]:
-    """Tell where a metric comes from, and what it rebuilds."""
+    """Return where a metric comes from, and what it rebuilds."""
     return {
         "version": __version__,
         "purpose": "reconstruct",

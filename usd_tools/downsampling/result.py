@@ -1,4 +1,4 @@
-"""What `downsample` did, as plain values."""
+"""Results of `downsample`, as plain values."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Statistics = dict[str, float]
 
 @dataclass(frozen=True)
 class DownsampledAnimation:
-    """What was done to one animation.
+    """Result for one animation.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ class DownsampledAnimation:
 
 @dataclass(frozen=True)
 class DownsampleResult:
-    """What `downsample` did.
+    """Result of `downsample`.
 
     Parameters
     ----------

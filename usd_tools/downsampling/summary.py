@@ -1,4 +1,4 @@
-"""What `downsample` says of its work: lines and tables, warnings, plain values, and a picture."""
+"""Describe the work of `downsample`: lines and tables, warnings, plain values, and a picture."""
 
 from __future__ import annotations
 
@@ -163,7 +163,7 @@ def _largest_rotation_error(downsampled: DownsampledClip) -> dict[str, Any]:
 
 
 def _summary_of(metric: LearnedMetric) -> str:
-    """Tell a metric in one line, and of a scheme that uses none just its name."""
+    """Describe a metric in one line, and a scheme that uses none by its name."""
     if metric.scheme in WITH_METRIC:
         return summary(metric)
     return f"{metric.scheme}, {counted(len(metric.joints), 'joint')}"

@@ -39,7 +39,7 @@ def sampled_alike(clip: SkelClip) -> SkelClip:
 
 @dataclass(frozen=True, eq=False)
 class SampleSelection:
-    """What there is to choose from in an animation.
+    """Samples of an animation to choose from.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def restored(sparse: SkelClip, metric: LearnedMetric, codes: np.ndarray, scheme:
 
 @dataclass(frozen=True, eq=False)
 class Errors:
-    """How far a rebuilt animation is from its source, frame by frame.
+    """Distances of a rebuilt animation from its source, frame by frame.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What is on a stage: its skeletons, its skeletal animations, and what to beware of."""
+"""Describe a stage: its skeletons, its skeletal animations, and what may go wrong with them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `inspect` found, as plain values."""
+"""Result of `inspect`, as plain values."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class InspectResult:
-    """What is in a file or on a stage; a value that does not apply is None.
+    """Content of a file or a stage; a value that does not apply is None.
 
     Parameters
     ----------

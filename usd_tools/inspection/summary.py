@@ -1,4 +1,4 @@
-"""What `inspect` found, as tables on stdout."""
+"""Print the result of `inspect` as tables."""
 
 from __future__ import annotations
 

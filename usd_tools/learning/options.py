@@ -1,4 +1,4 @@
-"""What `learn` can be asked for."""
+"""Options of `learn`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `learn` did, as plain values and metrics."""
+"""Results of `learn`, as plain values and metrics."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class MetricReport:
 
 @dataclass(frozen=True, eq=False)
 class LearnResult:
-    """What `learn` did.
+    """Result of `learn`.
 
     Parameters
     ----------

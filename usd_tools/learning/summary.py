@@ -1,4 +1,4 @@
-"""What `learn` says of its work: a table, a conclusion, and plain values."""
+"""Describe the work of `learn`: a table, a conclusion, and plain values."""
 
 from __future__ import annotations
 

@@ -101,7 +101,7 @@ class AssessedMetric:
 
     @property
     def is_plain(self) -> bool:
-        """Whether nothing came of it: the bi-invariant metric, whose geodesics are slerp, with the usual tension."""
+        """True if nothing came of it: the bi-invariant metric, whose geodesics are slerp, with the usual tension."""
         metric = self.metric
         usual = CurveParameters.plain(metric.scheme, len(metric.joints))
         same_tensions = (metric.tension == usual.tension) & (metric.translation_tension == usual.translation_tension)
@@ -117,7 +117,7 @@ class AssessedMetric:
 
     @property
     def loses(self) -> bool:
-        """Whether it loses anywhere out of sample to what needs no learning."""
+        """True if it loses anywhere out of sample to what needs no learning."""
         return any(score.loses for score in self.scores if not score.in_sample)
 
 
@@ -217,7 +217,7 @@ def _provenance(
     scores: Sequence[Score],
     joints: Sequence[JointError],
 ) -> Mapping[str, Any]:
-    """Tell what `learn_metric` says, and where the metric comes from: one file is a word, several are a list."""
+    """Return what `learn_metric` says, and where the metric comes from: one file is a word, several are a list."""
     provenance = dict(metric.provenance)
     shrinkage = dict(zip(metric.joints, provenance.pop("shrinkage", ()), strict=False))
     files = list(dict.fromkeys((take.file, take.sha256) for take in takes))

@@ -1,4 +1,4 @@
-"""How artists bend a metric by hand: numbers for all joints, or for the joints whose names match a pattern."""
+"""Set a metric by hand: for all joints, or for the joints whose names match a pattern."""
 
 from __future__ import annotations
 
@@ -54,11 +54,11 @@ class Style:
 
     @property
     def has_tension(self) -> bool:
-        """Whether it sets a tension."""
+        """True if it sets a tension."""
         return self.tension is not None or self.translation_tension is not None
 
     def matches(self, joint: str) -> bool:
-        """Whether a joint's name matches."""
+        """Return whether a joint's name matches."""
         return fnmatchcase(joint, self.pattern) or fnmatchcase(joint.rsplit("/", 1)[-1], self.pattern)
 
     def __str__(self) -> str:

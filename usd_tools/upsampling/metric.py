@@ -43,7 +43,7 @@ class ChosenMetric:
 
     @property
     def is_used(self) -> bool:
-        """Whether the scheme has a metric at all."""
+        """True if the scheme has a metric at all."""
         return self.metric.scheme in WITH_METRIC
 
 

@@ -1,4 +1,4 @@
-"""What `upsample` can be asked for."""
+"""Options of `upsample`."""
 
 from __future__ import annotations
 

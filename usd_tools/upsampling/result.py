@@ -1,4 +1,4 @@
-"""What `upsample` did, as plain values."""
+"""Results of `upsample`, as plain values."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ TOOL = "usd_tools.upsample"
 
 @dataclass(frozen=True)
 class UpsampledAnimation:
-    """What was done to one animation.
+    """Result for one animation.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ class UpsampledAnimation:
 
 @dataclass(frozen=True)
 class UpsampleResult:
-    """What `upsample` did.
+    """Result of `upsample`.
 
     Parameters
     ----------

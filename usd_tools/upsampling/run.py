@@ -145,7 +145,7 @@ def _upsampled(
 
 
 def _with_xforms(upsampled: UpsampledClip, options: UpsampleOptions, messages: Messages) -> UpsampledClip:
-    """Give samples to the transforms that move the character as a whole."""
+    """Add samples to the transforms that move the character as a whole."""
     found = find_xform_ops(upsampled.clip.source)
     for note in found.notes:
         messages.warn(note)

@@ -1,4 +1,4 @@
-"""What `upsample` says of its work: lines on stdout, warnings, and plain values."""
+"""Describe the work of `upsample`: lines on stdout, warnings, and plain values."""
 
 from __future__ import annotations
 

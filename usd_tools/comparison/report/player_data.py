@@ -20,7 +20,7 @@ _LARGEST = 32_000
 
 
 def player_data(scenes: Sequence[Scene], chosen: Scene) -> dict[str, Any]:
-    """Tell what the player shows, as plain values.
+    """Return what the player shows, as plain values.
 
     Parameters
     ----------

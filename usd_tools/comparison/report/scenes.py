@@ -102,7 +102,7 @@ class Scene:
 
     @cached_property
     def rebuilt(self) -> dict[str, Rebuilt]:
-        """What each scheme makes of it, by their words."""
+        """Rebuilt stretches, by the words of the schemes."""
         return {
             choice.word: rebuild(self.stretches, self.rate, choice.scheme, self.metrics[choice.word])
             for choice in self.choices
@@ -116,7 +116,7 @@ class Scene:
 
     @cached_property
     def is_key(self) -> np.ndarray:
-        """Which frames are kept, shape=[F]."""
+        """Mask of the frames that are kept, shape=[F]."""
         any_of = next(iter(self.rebuilt.values()))
         parts = [np.isin(np.arange(s.n_frames), keys) for s, keys in zip(self.stretches, any_of.keys, strict=True)]
         return np.concatenate(parts)

@@ -141,7 +141,7 @@ def _tension_colors(tension: np.ndarray) -> list[Any]:
 
 
 def _sliding(scene: Scene) -> np.ndarray:
-    """Which joints move in their parents, shape=[B]; noise of the file's precision is no motion."""
+    """Return which joints move in their parents, shape=[B]; noise of the file's precision is no motion."""
     places = np.concatenate([stretch.translations for stretch in scene.stretches])
     size = np.abs(scene.compared.take.skeleton.bone_ends).max(initial=1e-3)
     return (np.ptp(places, axis=0) > 1e-4 * size).any(axis=-1)
