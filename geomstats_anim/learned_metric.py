@@ -12,6 +12,7 @@ import numpy as np
 from geomstats_anim.names import repeated_name
 from geomstats_anim.parameters import CurveParameters, MetricParameters
 from geomstats_anim.rotations import Array
+from geomstats_anim.strict_json import parse_json
 
 FORMAT_VERSION = 1
 """Version of the stored form of a metric, in JSON and in USD."""
@@ -177,10 +178,7 @@ class LearnedMetric:
         ValueError
             If the text is not JSON, not a metric, of a newer version, or holds values that make no metric.
         """
-        try:
-            document = json.loads(text)
-        except json.JSONDecodeError as error:
-            raise ValueError(f"This is not JSON: {error}.") from error
+        document = parse_json(text)
         if not isinstance(document, dict) or document.get("format") != "geodesicMetric":
             raise ValueError('This JSON is not a metric: its "format" is not "geodesicMetric".')
         if document.get("version") != FORMAT_VERSION:

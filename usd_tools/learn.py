@@ -220,7 +220,12 @@ def _add_tune(parse: ArgumentParser) -> None:
     where.add_argument(
         "--folder", metavar="FOLDER", type=Path, help="keep the results of tpe-joint here, for TensorBoard"
     )
-    where.add_argument("--resume", metavar="FOLDER", type=Path, help="continue a tpe-joint search that was interrupted")
+    where.add_argument(
+        "--resume",
+        metavar="FOLDER",
+        type=Path,
+        help="continue an interrupted tpe-joint search from its trials.jsonl; nothing else in FOLDER is read",
+    )
     add_workers(tune)
     tune.add_argument("--wandb", metavar="PROJECT", help="log tpe-joint to Weights & Biases (the extra wandb)")
 

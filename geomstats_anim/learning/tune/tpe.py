@@ -108,6 +108,13 @@ class Space:
             return CurveParameters.geodesic(metric)
         return CurveParameters(metric, 1.0 + column("bend"), 1.0 + column("path_bend"))
 
+    def holds(self, point: object) -> bool:
+        """Return whether a point from somewhere else is one of the whole space."""
+        if not isinstance(point, dict) or set(point) != set(self.identity):
+            return False
+        numbers = all(type(point[each]) is float and abs(point[each]) <= top for each, top in self._bounds().items())
+        return numbers and all(point[label] in INVARIANCES for label in self._sides())
+
     def _bounds(self) -> dict[str, float]:
         names = {"log_alpha": BOUND, "log_beta": BOUND}
         if self.family == "spd":

@@ -1,7 +1,8 @@
 """One TPE search over all parameters as an experiment of Ray Tune; import this only where Ray and HyperOpt are needed.
 
-Tune saves its own state only now and then, so a finished trial goes to a journal in the results folder at once. A run
-that is resumed hands Tune the trials that it forgot, without evaluating them again: only those in flight are lost.
+A finished trial goes to a journal in the results folder at once. A run that is resumed is a new experiment, which takes
+the trials of the journal without evaluating them again: only those in flight are lost. Tune's own saved state is never
+read, for it is pickled, and a folder from a stranger must not run code.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from geomstats_anim.learning.tune.ray_runtime import running
 from geomstats_anim.learning.tune.settings import WINDOW, TuneSettings
 from geomstats_anim.learning.tune.tpe import STARTUP, Convergence, Point, Space, as_document, point_of
 from geomstats_anim.names import TRIALS
+from geomstats_anim.strict_json import parse_json
 
 METRIC, MODE = "quality", "min"
 
@@ -67,6 +69,8 @@ def run(
     with nullcontext(settings.folder) if keep else tempfile.TemporaryDirectory(prefix="geomstats_anim-") as name:
         journal = Journal(Path(str(name)).absolute() / _JOURNAL)
         journal.begin({"labels": list(space.identity), "seed": seed}, settings.resume)
+        if not all(space.holds(json.loads(point)) for point in journal.values):
+            raise ValueError(f"{journal.path} has a trial that this search cannot make; begin the search anew.")
         _followers[journal.path] = progress
         try:
             with running(settings.address, settings.cpus) as workers, _quiet(), _interruptible():
@@ -88,8 +92,6 @@ def _tuner(
     # one copy in the object store serves all trials
     trainable = tune.with_parameters(_evaluate, objective=objective, space=space, known=dict(journal.values))
     trainable = tune.with_resources(trainable, {"cpu": 1})
-    if settings.resume and _has_state(folder):
-        return tune.Tuner.restore(str(folder), trainable, resume_unfinished=True)
     recorder = _Recorder(journal, settings)
     callbacks = [recorder, *file_loggers()]
     if settings.wandb:
@@ -168,10 +170,13 @@ class Journal:
         # a line that a kill has cut short ends without a newline
         lines = self.path.read_text().split("\n")[:-1]
         self.values = {}
-        for line in lines[1:]:
-            trial = json.loads(line)
-            self.values[_key(trial["point"])] = trial[METRIC]
-        return dict(json.loads(lines[0])) if lines else {}
+        try:
+            for line in lines[1:]:
+                trial = parse_json(line)
+                self.values[_key(trial["point"])] = float(trial[METRIC])
+            return dict(parse_json(lines[0])) if lines else {}
+        except (KeyError, TypeError, ValueError) as error:
+            raise ValueError(f"{self.path} is not the journal of a search: {error}") from error
 
     def add(self, point: Point, value: float) -> bool:
         """Write a trial down, unless it is there."""
@@ -261,20 +266,6 @@ class _JournalledSearch(HyperOptSearch):
         self._hpopt_trials.refresh()
         self._live_trial_mapping[trial_id] = (document["tid"], document)
         return point
-
-    def restore(self, checkpoint_path: str) -> None:
-        super().restore(checkpoint_path)
-        self._forgotten = None
-
-
-def _has_state(folder: Path) -> bool:
-    """Return whether Tune has saved its complete state."""
-    states = sorted(folder.glob("experiment_state-*.json"))
-    try:
-        json.loads(states[-1].read_text())
-    except (IndexError, ValueError):
-        return False
-    return tune.Tuner.can_restore(str(folder))
 
 
 @contextmanager

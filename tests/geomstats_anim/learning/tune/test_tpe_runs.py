@@ -3,6 +3,8 @@
 import json
 import math
 import os
+import pickle
+import re
 import signal
 import subprocess
 import sys
@@ -103,3 +105,51 @@ def test_other_tools_read_the_results(tmp_path, monkeypatch):
     assert len(qualities) == 4
     assert min(qualities) == pytest.approx(found.value, rel=1e-6)
     assert len(list(tmp_path.rglob("*.wandb"))) == 4
+
+
+class _Bomb:
+    """Makes a file when it is unpickled."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __reduce__(self):
+        return open, (str(self.path), "w")
+
+
+def test_a_resumed_run_unpickles_nothing_of_its_folder(tmp_path):
+    folder, harm = tmp_path / "results", tmp_path / "harm"
+    search_tpe_joint(objective_of(), N_JOINTS, settings=TuneSettings(trials=4, folder=folder))
+    pickled = pickle.dumps(_Bomb(harm))
+    states = [path for path in folder.rglob("*") if path.suffix in (".pkl", ".pickle") or "state" in path.name]
+    assert states
+    for path in states:
+        text = path.read_bytes()
+        if text.startswith(b"{"):  # in which Tune keeps pickles as hexadecimal digits
+            path.write_bytes(text.replace(b"8004", pickled.hex().encode()))
+        else:
+            path.write_bytes(pickled)
+    found = search_tpe_joint(objective_of(), N_JOINTS, settings=TuneSettings(trials=6, folder=folder, resume=True))
+    assert found.evaluations == 6 and len(journal(folder)) == 6
+    assert not harm.exists()
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("{", "is not the journal of a search: This is not JSON: "),
+        ("[" * 100_000, "is not the journal of a search: This JSON is nested more than 32 levels deep."),
+        ('{"point": {}, "quality": NaN}', "is not the journal of a search: This JSON has the value NaN"),
+        ('{"point": {}}', "is not the journal of a search: 'quality'"),
+        ("3", "is not the journal of a search: "),
+        ('{"point": {}, "quality": 0.1}', "has a trial that this search cannot make; begin the search anew."),
+        ('{"point": {"log_alpha_0": 0.0}, "quality": 0.1}', "has a trial that this search cannot make"),
+    ],
+)
+def test_journals_of_strangers(tmp_path, line, words):
+    folder = tmp_path / "results"
+    search_tpe_joint(objective_of(), N_JOINTS, settings=TuneSettings(trials=2, folder=folder))
+    with (folder / "trials.jsonl").open("a") as file:
+        file.write(line + "\n")
+    with pytest.raises(ValueError, match=re.escape(words)):
+        search_tpe_joint(objective_of(), N_JOINTS, settings=TuneSettings(trials=3, folder=folder, resume=True))
