@@ -36,6 +36,11 @@ class Row:
         return [max(each) for each in counts if max(each, default=0) > 1]
 
 
+def tiny(skeleton, metres):
+    """Warnings of a skeleton whose unit is doubtful."""
+    return (f"{skeleton} is {metres} metres large; check metersPerUnit of the stage, and scales.",)
+
+
 def refused(animations, upsample, learn, warnings=()):
     """A row of which no verb makes anything; what learn says, compare says too."""
     return Row(animations, upsample, learn, learn, NO_CHOICE if animations else NOTHING, warnings)
@@ -96,7 +101,10 @@ TABLE = {
     ),
     "clips/sitting.usda": Row({"/root/Rig_Medium/Rig_Medium/Rig_Medium_Sit_Floor_StandUp": "R35 T35 S"}),
     "usd/bresilla_skel.usda": refused(
-        {"/World/Rig/Anim": ""}, still("/World/Rig/Anim has 0"), unsampled("/World/Rig/Anim"), NO_BIND_POSE
+        {"/World/Rig/Anim": ""},
+        still("/World/Rig/Anim has 0"),
+        unsampled("/World/Rig/Anim"),
+        (*unbound("/World/Rig", "/World/Rig/Anim"), *NO_BIND_POSE),
     ),
     "usd/bresilla_skel_test_simple.usda": too_short(
         {"/Test/Skel/Anim": "R3 T S"}, few("/Test/Skel/Anim", 3), unbound("/Test/Skel", "/Test/Skel/Anim")
@@ -176,9 +184,10 @@ TABLE = {
         {"/World/Character/Animation": "R1 T1 S"},
         still("/World/Character/Animation has 1"),
         unsampled("/World/Character/Animation"),
+        tiny("/World/Character/Skeleton", 0.01),
     ),
     "usd/openusddotnet_parity-skinned-pennant.usda": too_short(
-        {"/World/Rig/Animation": "R2 T2 S2"}, few("/World/Rig/Animation", 2)
+        {"/World/Rig/Animation": "R2 T2 S2"}, few("/World/Rig/Animation", 2), tiny("/World/Rig/Skeleton", 0.0018)
     ),
     "usd/tinyusdz_FAIL_usdskel-002.usda": refused({}, NOTHING, NOTHING),
     "usd/tinyusdz_blendshape-and-animation-test-001.usda": only_weights(
@@ -201,6 +210,10 @@ TABLE = {
     "usd/usdwg_CesiumMan.usdz": Row({"/CesiumMan/Animations/skelAnim_0": "R48 T48 S48"}),
     "usd/usdwg_ElephantWithMonochord/SoC-ElephantWithMonochord.usdc": Row(
         {f"/SoC_ElephantWithMonochord/Object/{prim}": channels for prim, channels in ELEPHANT.items()},
+        warnings=(
+            *tiny("/SoC_ElephantWithMonochord/Object/Elefant/_skel", 0.00113),
+            *tiny("/SoC_ElephantWithMonochord/Object/Elefant_Monochord_Play/_skel", 0.000337),
+        ),
         nowhere=LACKS_OF_ELEPHANT,
     ),
     "usd/usdwg_ElephantWithMonochord/SoC-ElephantWithMonochord_thumbnail.usda": Row(
@@ -211,6 +224,10 @@ TABLE = {
         {"/RiggedFigure/Animations/skelAnim_0": "R2 T2 S2"}, few("/RiggedFigure/Animations/skelAnim_0", 2)
     ),
     "usd/usdwg_RiggedSimple.usdz": Row({"/RiggedSimple/Animations/skelAnim_0": "R50 T50 S50"}),
-    "usd/usdzstudio_skel.usda": too_short({"/Character/Anim": "R2 T2 S2"}, few("/Character/Anim", 2)),
-    "usd/usdzstudio_skel.usdz": too_short({"/Character/Anim": "R2 T2 S2"}, few("/Character/Anim", 2)),
+    "usd/usdzstudio_skel.usda": too_short(
+        {"/Character/Anim": "R2 T2 S2"}, few("/Character/Anim", 2), tiny("/Character/Skel", 0.01)
+    ),
+    "usd/usdzstudio_skel.usdz": too_short(
+        {"/Character/Anim": "R2 T2 S2"}, few("/Character/Anim", 2), tiny("/Character/Skel", 0.01)
+    ),
 }

@@ -5,7 +5,8 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from pxr import Usd, UsdSkel
+import pytest
+from pxr import Usd, UsdGeom, UsdSkel
 from rigs import ANIMATION, SKELETON, make_rig, random_rotations, set_samples
 
 
@@ -23,7 +24,9 @@ def test_json(tmp_path, inspected):
         0.01,
     )
     assert (told["time_codes_per_second"], told["frames_per_second"], told["start_time_code"]) == (30, None, None)
-    assert told["skeletons"] == [{"prim": SKELETON, "joints": 3, "animation": ANIMATION, "instance": False}]
+    skeleton = {"prim": SKELETON, "joints": 3, "animation": ANIMATION, "instance": False}
+    # every joint rests 10 cm above its parent, and is bound 10 cm above the ground
+    assert told["skeletons"] == [{**skeleton, "size": pytest.approx(0.2), "joints_off_bind_pose": 2}]
     (animation,) = told["animations"]
     assert (animation["prim"], animation["skeletons"], animation["joints"]) == (ANIMATION, [SKELETON], 3)
     assert (animation["samples"], animation["codes"], animation["samples_per_second"]) == (4, [10, 13], 30)
@@ -124,3 +127,34 @@ def test_layers_are_in_order(tmp_path, inspected):
     stage.GetRootLayer().subLayerPaths = [f"./{name}" for name in names]
     stage.Save()
     assert inspected(tmp_path / "z.usda")["layers"] == ["z.usda", *sorted(names)]
+
+
+def test_a_range_that_misses_all_samples(tmp_path, inspected):
+    stage = make_rig(tmp_path / "in.usda", codes=range(10, 14))
+    sentence = "/Rig/Anim: the stage's range, 4800 to 4800, misses all samples, which are at 10 to 13; correct "
+    for start, end, is_told in ((4800, 4800, True), (0, 9, True), (13, 20, False), (0, 100, False)):
+        stage.SetStartTimeCode(start)
+        stage.SetEndTimeCode(end)
+        stage.Save()
+        warnings = inspected(tmp_path / "in.usda")["warnings"]
+        assert len(warnings) == is_told
+        assert start != 4800 or warnings[0] == f"{sentence}startTimeCode and endTimeCode."
+
+
+@pytest.mark.parametrize("names", [["Bip 1", "Bip 1/arm"], ["hips", "hips/arm.L"]])
+def test_names_that_are_no_paths(tmp_path, inspected, names):
+    make_rig(tmp_path / "in.usda", rotations=random_rotations(4, 2), joints=names)
+    warnings = inspected(tmp_path / "in.usda")["warnings"]
+    told = [warning for warning in warnings if "cannot be paths" in warning]
+    bad = next(name for name in names if " " in name or "." in name)
+    assert len(told) == 1 and told[0].startswith(SKELETON) and repr(bad) in told[0]
+
+
+@pytest.mark.parametrize(("metres_per_unit", "is_doubtful"), [(0.01, False), (1.0, False), (1e-4, True), (10.0, True)])
+def test_sizes_that_are_doubtful(tmp_path, inspected, metres_per_unit, is_doubtful):
+    stage = make_rig(tmp_path / "in.usda")
+    UsdGeom.SetStageMetersPerUnit(stage, metres_per_unit)
+    stage.Save()
+    told = inspected(tmp_path / "in.usda")
+    assert told["skeletons"][0]["size"] == pytest.approx(20.0 * metres_per_unit)
+    assert any("check metersPerUnit" in warning for warning in told["warnings"]) == is_doubtful

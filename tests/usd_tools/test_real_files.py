@@ -65,7 +65,9 @@ def test_upsample(tmp_path, name, run):
     report = tmp_path / "report.json"
     words = ["--factor", 2, "--alpha", 4, "--beta", 0.5, "--report", report]
     code, text, err = run("upsample", source, "-o", out, *words)
-    assert (code, err.count("\n")) == (0, any("degrees" in warning for warning in TABLE[name].warnings))
+    told = any("degrees" in warning for warning in TABLE[name].warnings)
+    told += sum("SkelBindingAPI" in warning for warning in TABLE[name].warnings)
+    assert (code, err.count("\n")) == (0, told)
     counts = [f"{before} -> {2 * before - 1} samples" for before in TABLE[name].samples]
     assert [count in line for count, line in zip(counts, text.splitlines()[:-1], strict=True)] == [True] * len(counts)
     stage = Usd.Stage.Open(str(source))

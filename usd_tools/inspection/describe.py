@@ -29,6 +29,7 @@ from usd_tools.skel.rotation_checks import (
     rotation_steps,
     wide_steps,
 )
+from usd_tools.skel.skeleton_checks import count_off_bind, names_note, range_note, rest_size, size_note
 
 
 @openusd_errors()
@@ -105,11 +106,17 @@ def _describe_skeleton(prim: Usd.Prim, sources: list[AnimationSource], messages:
             else "SkelBindingAPI is not applied, so USD ignores it"
         )
         messages.warn(f"{prim.GetPath()} has skel:animationSource {binding.GetTargets()[0]}, but {reason}.")
+    n_joints = _count_joints(prim, messages)
+    for note in () if n_joints is None else (names_note(prim), size_note(prim)):
+        if note is not None:
+            messages.warn(note)
     return {
         "prim": str(prim.GetPath()),
-        "joints": _count_joints(prim, messages),
+        "joints": n_joints,
         "animation": driven_by,
         "instance": prim.IsInstanceProxy(),
+        "size": None if n_joints is None else rest_size(prim),
+        "joints_off_bind_pose": None if n_joints is None else count_off_bind(prim),
     }
 
 
@@ -132,7 +139,7 @@ def _describe_animation(source: AnimationSource, messages: Messages) -> dict[str
     except ToolError as error:
         messages.warn(str(error))
         return {**described, "error": str(error)}
-    for note in clip.notes:
+    for note in (*clip.notes, *filter(None, [range_note(clip)])):
         messages.warn(note)
     degrees = rotation_steps(clip)
     largest, wide = largest_step(clip, degrees), wide_steps(clip, degrees)

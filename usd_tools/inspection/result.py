@@ -23,7 +23,8 @@ class InspectResult:
     frames_per_second, start_time_code, end_time_code : float or None
         Where they are authored.
     skeletons : tuple of dict
-        prim, joints, animation, instance.
+        prim, joints, animation, instance, size (at rest in the world, metres), joints_off_bind_pose (elsewhere at
+        rest).
     animations : tuple of dict
         prim, instances, skeletons, error (then nothing more), joints, still_joints, blend_shapes, meters_per_unit (in
         the world), channels (a name each: samples, value_blocks, held_gaps, from), samples, codes and seconds (first

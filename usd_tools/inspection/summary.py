@@ -21,7 +21,7 @@ def print_summary(result: InspectResult) -> None:
     for skeleton in described["skeletons"]:
         show(
             f"Skeleton {skeleton['prim']}",
-            [("joints", str(skeleton["joints"])), ("driven by", skeleton["animation"] or "nothing")],
+            _skeleton_rows(skeleton),
         )
     for animation in described["animations"]:
         show(f"Animation {animation['prim']}", _animation_rows(animation))
@@ -40,6 +40,15 @@ def _print_metric(prim: str, metric: dict[str, Any]) -> None:
     say(metric_meaning.EXPLANATION)
     for sentence in describe_scores(metric["provenance"]):
         say(sentence)
+
+
+def _skeleton_rows(skeleton: dict[str, Any]) -> list[tuple[str, str]]:
+    rows = [("joints", str(skeleton["joints"])), ("driven by", skeleton["animation"] or "nothing")]
+    if skeleton["size"] is not None:
+        rows.append(("size at rest", f"{skeleton['size']:.3g} metres"))
+    if skeleton["joints_off_bind_pose"]:
+        rows.append(("rest pose", f"{counted(skeleton['joints_off_bind_pose'], 'joint')} away from the bind pose"))
+    return rows
 
 
 def _stage_rows(described: dict[str, Any]) -> list[tuple[str, str]]:
