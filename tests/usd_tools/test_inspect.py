@@ -142,12 +142,14 @@ def test_a_range_that_misses_all_samples(tmp_path, inspected):
 
 
 @pytest.mark.parametrize("names", [["Bip 1", "Bip 1/arm"], ["hips", "hips/arm.L"]])
-def test_names_that_are_no_paths(tmp_path, inspected, names):
+def test_names_that_are_no_paths(tmp_path, run, inspected, names):
     make_rig(tmp_path / "in.usda", rotations=random_rotations(4, 2), joints=names)
     warnings = inspected(tmp_path / "in.usda")["warnings"]
     told = [warning for warning in warnings if "cannot be paths" in warning]
     bad = next(name for name in names if " " in name or "." in name)
     assert len(told) == 1 and told[0].startswith(SKELETON) and repr(bad) in told[0]
+    code, _, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2)
+    assert code == 0 and err.count(told[0]) == 1
 
 
 @pytest.mark.parametrize(("metres_per_unit", "is_doubtful"), [(0.01, False), (1.0, False), (1e-4, True), (10.0, True)])

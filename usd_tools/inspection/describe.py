@@ -21,7 +21,7 @@ from usd_tools.metrics.explain import joint_meanings
 from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip, read_clip
 from usd_tools.skel.find import AnimationSource, find_animations
-from usd_tools.skel.joint_names import read_names
+from usd_tools.skel.joint_names import names_note, read_names
 from usd_tools.skel.rotation_checks import (
     count_not_unit,
     count_sign_flips,
@@ -29,7 +29,7 @@ from usd_tools.skel.rotation_checks import (
     rotation_steps,
     wide_steps,
 )
-from usd_tools.skel.skeleton_checks import count_off_bind, names_note, range_note, rest_size, size_note
+from usd_tools.skel.skeleton_checks import count_off_bind, range_note, rest_size, size_note
 
 
 @openusd_errors()

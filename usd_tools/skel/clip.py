@@ -17,7 +17,7 @@ from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.text import short_names
 from usd_tools.skel.channels import JOINT_CHANNELS, VALUE_CLIPS, Channel, read_channel, sampled_alike, step_pairs
 from usd_tools.skel.find import BINDING, AnimationSource, chosen_variants, find_binding
-from usd_tools.skel.joint_names import read_names
+from usd_tools.skel.joint_names import names_note, read_names
 from usd_tools.skel.skeleton import BoundSkeleton, read_skeleton, world_matrices
 from usd_tools.skel.source_codes import stored_source_codes
 
@@ -293,6 +293,8 @@ def read_clip(source: AnimationSource) -> SkelClip:
     notes += bound.notes
     if is_partly_authored and absent:
         notes.append(_missing_note(clip, absent))
+    about_names = names_note(clip.source.rig[0] if clip.source.rig else source.prim)
+    notes += [] if about_names is None else [about_names]
     return replace(clip, notes=(*notes, *_binding_notes(clip), *_composition_notes(clip)))
 
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pxr import Sdf, Tf, Usd, Vt
 
 from usd_tools.console.errors import ToolError
+from usd_tools.console.text import counted
 
 
 def read_names(prim: Usd.Prim, name: str) -> tuple[str, ...]:
@@ -21,6 +22,21 @@ def read_names(prim: Usd.Prim, name: str) -> tuple[str, ...]:
     if value is not None and not isinstance(value, Vt.TokenArray):
         raise ToolError(f"{prim.GetPath()}: {name} is not of type token[]; repair the file.")
     return tuple(value or ())
+
+
+def names_note(prim: Usd.Prim) -> str | None:
+    """Return a warning if names of joints are no paths, so that OpenUSD takes every such joint for a root."""
+    bad = [name for name in read_names(prim, "joints") if not _is_path(name)]
+    if not bad:
+        return None
+    return (
+        f"{prim.GetPath()}: {counted(len(bad), 'joint name')} with spaces or dots, such as {bad[0]!r}, cannot be "
+        "paths, so USD makes these joints roots; rename them, with underscores instead."
+    )
+
+
+def _is_path(name: str) -> bool:
+    return Sdf.Path.IsValidPathString(name) and Sdf.Path(name).IsPrimPath()
 
 
 def joint_paths(names: Sequence[str], parents: Sequence[int]) -> list[str]:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from pxr import Sdf, Usd, UsdGeom, UsdSkel, Vt
+from pxr import Usd, UsdGeom, UsdSkel, Vt
 
-from usd_tools.console.text import counted
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.joint_names import read_names
 
@@ -28,21 +27,6 @@ def range_note(clip: SkelClip) -> str | None:
         f"{clip.path}: the stage's range, {start:g} to {end:g}, misses all samples, which are at {clip.codes[0]:g} to "
         f"{clip.codes[-1]:g}; correct startTimeCode and endTimeCode."
     )
-
-
-def names_note(skeleton: Usd.Prim) -> str | None:
-    """Return a warning if names of joints are no paths, so that OpenUSD takes every such joint for a root."""
-    bad = [name for name in read_names(skeleton, "joints") if not _is_path(name)]
-    if not bad:
-        return None
-    return (
-        f"{skeleton.GetPath()}: {counted(len(bad), 'joint name')} with spaces or dots, such as {bad[0]!r}, cannot be "
-        "paths, so USD makes these joints roots; rename them, with underscores instead."
-    )
-
-
-def _is_path(name: str) -> bool:
-    return Sdf.Path.IsValidPathString(name) and Sdf.Path(name).IsPrimPath()
 
 
 def rest_size(skeleton: Usd.Prim) -> float | None:
