@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -12,7 +11,7 @@ import numpy as np
 from geomstats_anim.names import repeated_name
 from geomstats_anim.parameters import CurveParameters, MetricParameters
 from geomstats_anim.rotations import Array
-from geomstats_anim.strict_json import parse_json
+from geomstats_anim.strict_json import dump_json, parse_json
 
 FORMAT_VERSION = 1
 """Version of the stored form of a metric, in JSON and in USD."""
@@ -78,9 +77,9 @@ class LearnedMetric:
         object.__setattr__(self, "tension", curve.tension)
         object.__setattr__(self, "translation_tension", curve.translation_tension)
         try:
-            json.dumps(dict(self.provenance), allow_nan=False)
-        except (TypeError, ValueError) as error:
-            raise ValueError(f"provenance has a value that JSON cannot store: {error}.") from error
+            dump_json(dict(self.provenance))
+        except ValueError as error:
+            raise ValueError(f"provenance has a value that JSON cannot store: {error}") from error
         object.__setattr__(self, "provenance", dict(self.provenance))
 
     @classmethod
@@ -159,7 +158,7 @@ class LearnedMetric:
             "quality": self.quality,
             "provenance": dict(self.provenance),
         }
-        return json.dumps(document, indent=2) + "\n"
+        return dump_json(document, indent=2) + "\n"
 
     @classmethod
     def from_json(cls, text: str) -> LearnedMetric:

@@ -1,8 +1,9 @@
-"""JSON from strangers: no larger, no deeper and no stranger than this package writes it."""
+"""JSON for and from strangers: no larger, no deeper and no stranger than every program can read."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from typing import Any
 
 LARGEST = 1 << 26
@@ -45,10 +46,48 @@ _TOO_DEEP = f"This JSON is nested more than {DEEPEST} levels deep."
 _PLAIN = str | int | float | None
 
 
+def dump_json(document: Any, indent: int | None = None) -> str:
+    """Write JSON that `parse_json`, and programs with integers of 64 bits, read back without loss.
+
+    Parameters
+    ----------
+    document : object
+        Of plain values.
+    indent : int
+        As in `json.dumps`.
+        Optional, default: one line.
+
+    Returns
+    -------
+    text : str
+
+    Raises
+    ------
+    ValueError
+        If a value cannot be stored: not plain, not finite, an integer of more than 64 bits, or nested too deeply.
+    """
+    try:
+        text = json.dumps(document, indent=indent, allow_nan=False)
+    except RecursionError:
+        raise ValueError(_TOO_DEEP) from None
+    except TypeError as error:
+        raise ValueError(f"{error}.") from error
+    json.loads(text, parse_int=_of_64_bits)
+    _check_depth(document)
+    return text
+
+
+def _of_64_bits(digits: str) -> int:
+    number = int(digits) if len(digits) <= 20 else 1 << 64
+    if not -(1 << 63) <= number < 1 << 63:
+        raise ValueError(f"{digits[:24]} has more than 64 bits")
+    return number
+
+
 def _check_depth(document: Any) -> None:
     level = [document]
     for _ in range(DEEPEST):
-        inner = (value.values() if isinstance(value, dict) else value for value in level)
+        inner = (value.values() if isinstance(value, Mapping) else value for value in level)
         level = [value for values in inner if not isinstance(values, _PLAIN) for value in values]
     if not all(isinstance(value, _PLAIN) for value in level):
         raise ValueError(_TOO_DEEP)

@@ -32,8 +32,11 @@ def whole_number(text: str) -> int:
 
 
 def seed(text: str) -> int:
-    """Parse a whole number of at least 0."""
-    return _whole_number(text, 0)
+    """Parse a whole number from 0 on, of at most 64 bits, for it is stored with what it made."""
+    number = _whole_number(text, 0)
+    if number >= 1 << 63:
+        raise argparse.ArgumentTypeError(f"must be below 2^63, not {text!r}")
+    return number
 
 
 def _number(text: str) -> float:

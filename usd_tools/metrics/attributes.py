@@ -10,6 +10,7 @@ from pxr import Sdf, Usd, Vt
 
 from geomstats_anim import LearnedMetric, MetricParameters
 from geomstats_anim.learned_metric import FORMAT_VERSION
+from geomstats_anim.strict_json import dump_json, parse_json
 from usd_tools.console.errors import ToolError
 from usd_tools.console.text import counted
 
@@ -35,8 +36,8 @@ SOURCE_CUTS = f"{NAMESPACE}:sourceCuts"
 """Of a sparse animation: between which samples of its source cuts are, as pairs of indices into `SOURCE_CODES`."""
 
 _OPTIONAL = ("axes", "translationTension")
-_ENTRIES = "entries"
-"""Entry that names those that count: USD merges the dictionaries of layers, so an older metric's would show through."""
+_PROVENANCE = "provenance"
+"""Entry of the customData: JSON, for USD has no null, and no lists of different types."""
 
 
 def write_metric(spec: Sdf.PrimSpec, metric: LearnedMetric, hide_axes: bool = False) -> None:
@@ -51,10 +52,6 @@ def write_metric(spec: Sdf.PrimSpec, metric: LearnedMetric, hide_axes: bool = Fa
         Whether a weaker layer has axes, which must not show through a diagonal metric.
         Optional, default: False.
 
-    Raises
-    ------
-    ToolError
-        If an entry of the provenance is of a type that USD cannot hold.
     """
     parameters = metric.parameters
     values = {
@@ -73,8 +70,9 @@ def write_metric(spec: Sdf.PrimSpec, metric: LearnedMetric, hide_axes: bool = Fa
         values["axes"] = Sdf.ValueBlock()
     for name, value in values.items():
         _attribute(spec, f"{NAMESPACE}:{name}", _TYPES[name]).default = value
-    entries = {**metric.provenance, "quality": metric.quality}
-    spec.customData = {**dict(spec.customData), NAMESPACE: _to_usd(entries, str(spec.path))}
+    # One string: USD merges the dictionaries of layers, and entries of an older metric would show through.
+    entries = {"quality": metric.quality, _PROVENANCE: dump_json(dict(metric.provenance))}
+    spec.customData = {**dict(spec.customData), NAMESPACE: entries}
 
 
 def write_summary(spec: Sdf.PrimSpec, metric: LearnedMetric) -> None:
@@ -144,8 +142,7 @@ def read_metric(prim: Usd.Prim) -> LearnedMetric | None:
     axes = values["axes"]
     try:
         stored = prim.GetCustomDataByKey(NAMESPACE)
-        entries = _from_usd(stored if isinstance(stored, Mapping) else {})
-        quality = str(entries.pop("quality", ""))
+        quality, provenance = _read_entries(stored if isinstance(stored, Mapping) else {})
         parameters = MetricParameters(
             np.array(values["alpha"]),
             np.array(values["beta"]),
@@ -158,7 +155,7 @@ def read_metric(prim: Usd.Prim) -> LearnedMetric | None:
             np.array(values["tension"]),
             str(values["scheme"]),
             quality,
-            entries,
+            provenance,
             values["translationTension"] and np.array(values["translationTension"]),
         )
     except ValueError as error:
@@ -230,39 +227,13 @@ def _attribute(spec: Sdf.PrimSpec, name: str, type_name: Sdf.ValueTypeName) -> S
     return attribute
 
 
-def _to_usd(entries: Mapping[str, Any], where: str) -> dict[str, Any]:
-    """Turn plain values into those that USD's dictionaries hold: lists become arrays of one type."""
-    converted: dict[str, Any] = {_ENTRIES: Vt.StringArray(list(entries))}
-    for key, value in entries.items():
-        if isinstance(value, Mapping):
-            converted[key] = _to_usd(value, where)
-        elif isinstance(value, list | tuple) and all(isinstance(item, str) for item in value):
-            converted[key] = Vt.StringArray(list(value))
-        elif isinstance(value, list | tuple) and all(type(item) is int for item in value):
-            converted[key] = Vt.Int64Array(list(value))
-        elif isinstance(value, list | tuple) and all(type(item) in (int, float) for item in value):
-            converted[key] = Vt.DoubleArray([float(item) for item in value])
-        elif isinstance(value, str | bool | int | float):
-            converted[key] = value
-        else:
-            raise ToolError(
-                f"{where}: the metric's provenance has {key} = {value!r}, which USD cannot hold; remove it."
-            )
-    return converted
-
-
-def _from_usd(entries: Mapping[str, Any]) -> dict[str, Any]:
-    """Turn what `_to_usd` returned into plain values again."""
-    converted: dict[str, Any] = {}
-    names = entries.get(_ENTRIES)
-    for key in names if isinstance(names, Vt.StringArray) else entries:
-        value = entries.get(key)
-        if isinstance(value, Mapping):
-            converted[key] = _from_usd(value)
-        elif isinstance(value, str | bool | int | float):
-            converted[key] = value
-        elif isinstance(value, Vt.StringArray | Vt.Int64Array | Vt.DoubleArray):
-            converted[key] = list(value)
-        elif key in entries:
-            raise ValueError(f"{key} of its customData has a type that metrics do not use; remove it.")
-    return converted
+def _read_entries(entries: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
+    """Read the quality and the provenance of a metric; both are empty in a file that has lost them."""
+    texts = {name: entries.get(name, default) for name, default in (("quality", ""), (_PROVENANCE, "{}"))}
+    for name, text in texts.items():
+        if not isinstance(text, str):
+            raise ValueError(f"{name} of its customData has a type that metrics do not use; remove it.")
+    provenance = parse_json(texts[_PROVENANCE])
+    if not isinstance(provenance, dict):
+        raise ValueError(f"{_PROVENANCE} of its customData is not a JSON object; remove it.")
+    return texts["quality"], provenance

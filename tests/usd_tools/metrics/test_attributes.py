@@ -1,5 +1,7 @@
 """The metric travels in a USD file without loss."""
 
+import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -52,7 +54,8 @@ def test_round_trip(tmp_path, axes, extension):
     again = read_metric(stage.GetPrimAtPath(ANIMATION))
     assert again.to_json() == metric.to_json()
     assert stage.GetPrimAtPath(ANIMATION).HasAttribute("geodesicMetric:axes") == axes
-    assert stage.GetPrimAtPath(ANIMATION).GetCustomDataByKey("geodesicMetric")["source"] == "walk.usda"
+    entries = stage.GetPrimAtPath(ANIMATION).GetCustomDataByKey("geodesicMetric")
+    assert json.loads(entries["provenance"])["source"] == "walk.usda"
 
 
 def test_a_metric_without_translation_tension_gets_the_usual(tmp_path):
@@ -168,13 +171,62 @@ def test_provenance_that_somebody_has_edited(tmp_path, run, entries):
     out = ["-o", tmp_path / "out.usda", "--factor", 2, "--alpha", 3]
     assert run("upsample", tmp_path / "in.usda", *out)[0] == 0
     assert stored_metric(tmp_path / "out.usda").provenance["styles"] == ["*:alpha=3"]
-    spec.customData = {"geodesicMetric": {"where": Sdf.AssetPath("a.usda")}}
-    with pytest.raises(ToolError, match="invalid: where of its customData has a type that metrics do not use"):
-        read_metric(stage.GetPrimAtPath(ANIMATION))
+    for value, words in (
+        (Sdf.AssetPath("a.usda"), "provenance of its customData has a type that metrics do not use; remove it."),
+        ("[]", "provenance of its customData is not a JSON object; remove it."),
+        ("{", "This is not JSON: "),
+        ("[" * 1000, "This JSON is nested more than 32 levels deep."),
+        ('{"seed": 1e999}', "which is not a finite number."),
+    ):
+        spec.customData = {"geodesicMetric": {"provenance": value}}
+        with pytest.raises(ToolError, match=f"the stored metric is invalid: .*{re.escape(words)}"):
+            read_metric(stage.GetPrimAtPath(ANIMATION))
 
 
-def test_provenance_that_usd_cannot_hold():
-    layer = Sdf.Layer.CreateAnonymous()
-    metric = LearnedMetric(("a",), MetricParameters.identity(1), provenance={"seed": None})
-    with pytest.raises(ToolError, match="seed = None"):
-        write_metric(Sdf.CreatePrimInLayer(layer, ANIMATION), metric)
+LOSSLESS = {
+    "seed": None,
+    "trials": 2**63 - 1,
+    "least": -(2**63),
+    "whole": 1.0,
+    "mixed": [1, 2.5, "x", None, True, {"deep": []}],
+    "empty": {},
+    "dotted:key.name": "\u202e\n\x1b",
+}
+
+
+def test_provenance_round_trips_without_loss(tmp_path):
+    stage = make_rig(tmp_path / "in.usda")
+    metric = LearnedMetric(tuple(JOINTS), MetricParameters.identity(3), quality="hyb", provenance=LOSSLESS)
+    for name in ("a.usda", "a.usdc"):
+        write_metric(stage.GetRootLayer().GetPrimAtPath(ANIMATION), metric)
+        stage.GetRootLayer().Export(str(tmp_path / name))
+        found = stored_metric(tmp_path / name)
+        assert json.dumps(found.provenance) == json.dumps(LOSSLESS)  # 1.0 is not 1 there
+        assert found.to_json() == metric.to_json()
+
+
+def test_provenance_of_a_weaker_layer_does_not_show_through(tmp_path):
+    make_rig(tmp_path / "weak.usda")
+    for name, provenance in (("weak.usda", {"old": 1, "both": {"a": 1}}), ("strong.usda", {"both": {"b": 2}})):
+        layer = Sdf.Layer.FindOrOpen(str(tmp_path / name)) or Sdf.Layer.CreateNew(str(tmp_path / name))
+        spec = layer.GetPrimAtPath(ANIMATION) or Sdf.CreatePrimInLayer(layer, ANIMATION)
+        metric = LearnedMetric(tuple(JOINTS), MetricParameters.identity(3), provenance=provenance)
+        write_metric(spec, metric)
+        if name == "strong.usda":
+            layer.subLayerPaths = ["./weak.usda"]
+        layer.Save()
+    assert stored_metric(tmp_path / "strong.usda").provenance == {"both": {"b": 2}}
+
+
+@pytest.mark.parametrize("number", [2**63, -(2**63) - 1, 10**400])
+def test_integers_of_more_than_64_bits_are_refused(tmp_path, refuse, number):
+    with pytest.raises(ValueError, match="provenance has a value that JSON cannot store: .* has more than 64 bits"):
+        LearnedMetric(("a",), MetricParameters.identity(1), provenance={"seed": [number]})
+    make_rig(tmp_path / "in.usda")
+    text = LearnedMetric(tuple(JOINTS), MetricParameters.identity(3), provenance={"seed": 7}).to_json()
+    (tmp_path / "m.json").write_text(text.replace('"seed": 7', f'"seed": {number}'))
+    out = ("-o", tmp_path / "out.usda", "--factor", 2, "--metric", tmp_path / "m.json")
+    assert "has more than 64 bits" in refuse("upsample", tmp_path / "in.usda", *out)
+    if number > 0:
+        seed = ("learn", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--seed", number)
+        assert refuse(*seed, exit_code=2).startswith("--seed: must be below 2^63, not ")
