@@ -1,4 +1,4 @@
-"""What the gradient search learns on the real clips, how fast, and how near to the optimum, each beside its bar.
+"""Measure the gradient search on the real clips: gain, speed, and distance to the optimum, each beside its bar.
 
     python benchmarks/bench_learning.py [--quick]
 

@@ -22,7 +22,7 @@ IMPORTS = ["-c", "import geomstats_anim; from pxr import Usd, UsdGeom, UsdSkel, 
 
 
 class Used(NamedTuple):
-    """What a run took: seconds on the clock, seconds of all processors, and MiB at most."""
+    """Cost of a run: seconds on the clock, seconds of all processors, and MiB at most."""
 
     seconds: float
     processor_seconds: float

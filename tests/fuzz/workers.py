@@ -51,7 +51,7 @@ class _Worker:
         self._since, self._used = time.monotonic(), self._processor_seconds()
 
     def hangs(self) -> bool:
-        """Whether a trial takes too long: of the processor's time, for others may keep it busy; or just sleeps."""
+        """Return whether a trial takes too long, in processor time, since others may keep it busy, or asleep."""
         waited = time.monotonic() - self._since
         return waited > PATIENCE and (waited > 6.0 * PATIENCE or self._processor_seconds() - self._used > PATIENCE)
 

@@ -1,4 +1,4 @@
-"""What `from_bvh` can be asked for."""
+"""Options of `from_bvh`."""
 
 from __future__ import annotations
 

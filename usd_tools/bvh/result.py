@@ -1,4 +1,4 @@
-"""What `from_bvh` did, as plain values."""
+"""The result of `from_bvh`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class FromBvhResult:
-    """What `from_bvh` did.
+    """The result of `from_bvh`.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How a command ends: one sentence on stderr and an exit code, never a traceback for bad input."""
+"""Errors of commands: one sentence on stderr and an exit code, never a traceback for bad input."""
 
 from __future__ import annotations
 

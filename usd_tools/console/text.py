@@ -80,7 +80,7 @@ def listed(words: Sequence[str]) -> str:
 
 
 def counted(number: float, thing: str) -> str:
-    """Say how many there are of a thing, whose plural ends in s."""
+    """Return a number and its noun, whose plural ends in s."""
     return f"{number if isinstance(number, int) else format(number, 'g')} {thing}{'' if number == 1 else 's'}"
 
 

@@ -80,7 +80,7 @@ def check_usd_output(path: Path, usd_format: str | None) -> None:
 
 
 def same_file(path: Path, others: Iterable[str | Path]) -> bool:
-    """Whether a path leads to one of the others, however they are spelled, links included."""
+    """Return whether a path leads to one of the others, however they are spelled, links included."""
     # Asking the system and not comparing names: some disks do not tell capital letters from small ones.
     return path.exists() and any(os.path.exists(other) and os.path.samefile(path, other) for other in others)
 

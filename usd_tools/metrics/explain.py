@@ -74,12 +74,12 @@ class JointMeaning:
 
     @property
     def is_slerp(self) -> bool:
-        """Whether the joint moves as with slerp."""
+        """Return whether the joint moves as with slerp."""
         return self.ratio < AS_SLERP
 
     @property
     def matters(self) -> bool:
-        """Whether the metric makes a difference, as far as is known."""
+        """Return whether the metric makes a difference, as far as is known."""
         return not self.is_slerp and self.turns and (self.gain is None or abs(self.gain) >= NOTICEABLE)
 
     @property

@@ -100,12 +100,12 @@ class Channel:
 
     @property
     def is_animated(self) -> bool:
-        """Whether there is anything to interpolate."""
+        """Return whether there is anything to interpolate."""
         return bool(self.spans)
 
     @cached_property
     def holds(self) -> np.ndarray:
-        """Whether each element stays as it is from one sample to the next, bit for bit, shape=[K - 1, N].
+        """Return whether each element stays as it is from one sample to the next, bit for bit, shape=[K - 1, N].
 
         A quaternion and its negative are the same rotation.
         """
@@ -115,7 +115,7 @@ class Channel:
 
     @property
     def is_constant(self) -> bool:
-        """Whether every sample is the same, bit for bit, and none is blocked."""
+        """Return whether every sample is the same, bit for bit, and none is blocked."""
         return not self.blocked.any() and bool(self.holds.all())
 
 

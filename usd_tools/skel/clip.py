@@ -85,7 +85,7 @@ class SkelClip:
 
     @property
     def is_animated(self) -> bool:
-        """Whether there is anything to interpolate."""
+        """Return whether there is anything to interpolate."""
         return any(channel.is_animated for channel in self.channels.values())
 
     @cached_property
@@ -96,7 +96,7 @@ class SkelClip:
 
     @property
     def steps(self) -> np.ndarray:
-        """Whether each gap between `codes` is a step and not motion, shape=[K - 1]."""
+        """Return whether each gap between `codes` is a step and not motion, shape=[K - 1]."""
         return step_pairs(self.codes, self.codes_per_second)
 
     @cached_property
@@ -178,7 +178,7 @@ class SkelClip:
 
     @cached_property
     def _is_rigid(self) -> bool:
-        """Whether lengths in the world are those of `skeleton` at all times."""
+        """Return whether lengths in the world are those of `skeleton` at all times."""
         if not self.source.rig:
             return True
         linear = world_matrices(self.source.rig[0], self.codes)[:, :3, :3] / self._file_scale
@@ -346,7 +346,7 @@ def _check_times(path: str, codes: np.ndarray, rate: float) -> None:
 
 
 def _is_blocked(prim: Usd.Prim, name: str) -> bool:
-    """Whether an attribute has no value because its author says so."""
+    """Return whether an attribute has no value because its author says so."""
     attribute = prim.GetAttribute(name)
     return bool(attribute) and (attribute.GetNumTimeSamples() > 0 or attribute.GetResolveInfo().ValueIsBlocked())
 

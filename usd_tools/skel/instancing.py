@@ -67,7 +67,7 @@ def _instance_root(prim: Usd.Prim) -> Usd.Prim:
 
 
 def _is_bound_inside(skeleton: Usd.Prim) -> bool:
-    """Whether the binding of a skeleton is authored where it cannot be changed."""
+    """Return whether the binding of a skeleton is authored where it cannot be changed."""
     if not skeleton.IsInstanceProxy():
         return False
     root, prim = _instance_root(skeleton), skeleton

@@ -23,7 +23,7 @@ _CHUNK = 1 << 15
 
 @dataclass(frozen=True)
 class Units:
-    """What the numbers of a character mean.
+    """Units and axes of the numbers of a character.
 
     Parameters
     ----------

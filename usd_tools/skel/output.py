@@ -129,7 +129,7 @@ class Output:
 
 
 def _is_in_root_layer(source: AnimationSource) -> bool:
-    """Whether all opinions on an animation are in the layer that was opened."""
+    """Return whether all opinions on an animation are in the layer that was opened."""
     layers = {spec.layer for spec in source.prim.GetPrimStack()}
     root = source.stage.GetRootLayer()
     return layers == {root} and not source.prim.IsInstanceProxy() and not root.GetFileFormat().IsPackage()

@@ -16,7 +16,7 @@ _MULTIPLES = 24
 
 
 def written_at(path: Path, rate: float) -> str:
-    """Say that a file was written with a frame rate of its own, and what to do in Blender.
+    """Return the sentence about a written file and its frame rate in Blender.
 
     Parameters
     ----------
@@ -77,5 +77,5 @@ def whole_frame_rate(seconds: np.ndarray, rate: float, frames_per_second: float 
 
 
 def _are_whole(frames: np.ndarray) -> bool:
-    """Whether numbers are whole, up to single precision and the digits in which a rate is printed."""
+    """Return whether numbers are whole, up to single precision and the digits in which a rate is printed."""
     return bool(np.abs(frames - np.round(frames)).max() < 1e-2)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import wanderings
 
-from geomstats_anim.learning.gradient import _by_coordinates, _Search
+from geomstats_anim.learning.descent import Search, _by_coordinates
 from geomstats_anim.learning.objective import Objective
 
 SIDES = ("left", "right") * (wanderings.N_JOINTS // 2)
@@ -19,7 +19,7 @@ def test_it_is_that_of_finite_differences(size):
          rng.uniform(0.5, 0.9, (wanderings.N_JOINTS, 2))],
         axis=1,
     )  # fmt: skip
-    _, gradient = objective.value_and_gradient(_Search.curve(point, SIDES))
+    _, gradient = objective.value_and_gradient(Search.curve(point, SIDES))
     found = _by_coordinates(gradient, point)
     expected = np.empty_like(point)
     step = 1e-5
@@ -28,6 +28,6 @@ def test_it_is_that_of_finite_differences(size):
         for sign in (1.0, -1.0):
             moved = point.copy()
             moved[place] += sign * step
-            values.append(objective.value_and_gradient(_Search.curve(moved, SIDES))[0])
+            values.append(objective.value_and_gradient(Search.curve(moved, SIDES))[0])
         expected[place] = (values[0] - values[1]) / (2.0 * step)
     np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-7)

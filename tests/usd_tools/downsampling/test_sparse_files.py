@@ -1,5 +1,7 @@
 """Sparse files that are edited, learned from, or beside others: what they remember is still told right, or refused."""
 
+import json
+
 import numpy as np
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
@@ -127,13 +129,21 @@ def test_tolerance_holds_in_the_largest_skeleton(tmp_path, run, scale):
     else:
         UsdGeom.Xformable(giant).AddScaleOp().Set(Gf.Vec3f(scale))
     stage.Save()
-    code, _, err = run("downsample", tmp_path / "in.usda", "-o", tmp_path / "sparse.usda", "--tolerance", "1")
+    code, _, err = run(
+        "downsample", tmp_path / "in.usda", "-o", tmp_path / "sparse.usda", "--tolerance", "1",
+        "--report", tmp_path / "report.json",
+    )  # fmt: skip
     sizes = "drives skeletons of different sizes; lengths are measured on the largest, /Rig/Giant."
     assert code == 0 and err == f"warning: {ANIMATION} {sizes}\n"
     restored(run, tmp_path / "sparse.usda")
     before, after = (_end_of_arm(tmp_path / name, 40.0 if scale == 1.0 else 10.0) for name in ("in.usda", "back.usda"))
     distances = np.linalg.norm(after - before, axis=-1)
-    assert 0.5 < distances.max() <= 1.0
+    (arm,) = (
+        joint["centimetres"]["largest"]
+        for joint in json.loads((tmp_path / "report.json").read_text())["animations"][0]["joints"]
+        if joint["joint"].endswith("arm")
+    )
+    assert distances.max() == pytest.approx(arm, rel=1e-4) and 0.1 < arm <= 1.0
 
 
 def _end_of_arm(path, length):
