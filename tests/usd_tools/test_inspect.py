@@ -63,7 +63,7 @@ def test_holds_steps_blocks_and_shapes(tmp_path, inspected):
 
 def test_table_loses_nothing_when_piped(tmp_path, run):
     long_name = "a_very_long_name_of_a_joint_" * 8
-    make_rig(tmp_path / "in.usda", joints=[long_name, f"{long_name}/[red]x"])
+    make_rig(tmp_path / "in.usda", joints=[long_name, f"{long_name}/[red]{long_name}"])
     code, out, _ = run("inspect", tmp_path / "in.usda")
     assert code == 0
     assert long_name in out and "…" not in out
@@ -160,3 +160,13 @@ def test_sizes_that_are_doubtful(tmp_path, inspected, metres_per_unit, is_doubtf
     told = inspected(tmp_path / "in.usda")
     assert told["skeletons"][0]["size"] == pytest.approx(20.0 * metres_per_unit)
     assert any("check metersPerUnit" in warning for warning in told["warnings"]) == is_doubtful
+
+
+def test_the_table_names_the_joint_of_the_largest_step_by_its_short_name(tmp_path, run, inspected):
+    turn = np.tile([0.0, 0.0, 0.0, 1.0], (2, 3, 1))
+    turn[1, 2] = [np.sin(0.2), 0.0, 0.0, np.cos(0.2)]
+    make_rig(tmp_path / "in.usda", codes=range(2), rotations=turn)
+    (animation,) = inspected(tmp_path / "in.usda")["animations"]
+    assert (animation["largest_step"]["joint"], animation["largest_step_joint"]) == ("hips/spine/arm", "arm")
+    _, out, _ = run("inspect", tmp_path / "in.usda")
+    assert "joint arm, time code 0 to 1" in out and "hips/spine/arm" not in out

@@ -143,8 +143,9 @@ def _describe_animation(source: AnimationSource, messages: Messages) -> dict[str
         messages.warn(note)
     degrees = rotation_steps(clip)
     largest, wide = largest_step(clip, degrees), wide_steps(clip, degrees)
+    names = short_names(clip.joints)
     for step in wide:
-        turn = step.in_words(short_names(clip.joints))
+        turn = step.in_words(names)
         messages.warn(f"{clip.path}: {turn}; a file cannot store which way a turn beyond 180 degrees went.")
     rotations = clip.channels.get("rotations")
     return {
@@ -159,6 +160,7 @@ def _describe_animation(source: AnimationSource, messages: Messages) -> dict[str
         "samples_of_source": _count_source_samples(source, messages),
         "stepped_pairs": int(clip.steps.sum()),
         "largest_step": None if largest is None else asdict(largest),
+        "largest_step_joint": None if largest is None else names[largest.joint],
         "wide_steps": [asdict(step) for step in wide],
         "sign_flips": 0 if rotations is None else count_sign_flips(rotations),
         "not_unit_quaternions": 0 if rotations is None else count_not_unit(rotations),

@@ -29,8 +29,8 @@ class InspectResult:
         prim, instances, skeletons, error (then nothing more), joints, still_joints, blend_shapes, meters_per_unit (in
         the world), channels (a name each: samples, value_blocks, held_gaps, from), samples, codes and seconds (first
         and last), samples_per_second, evenly_spaced, samples_of_source (of a sparse animation), stepped_pairs,
-        largest_step and wide_steps (joint, start, end, degrees), sign_flips, not_unit_quaternions, metric (error,
-        summary, scheme, joints, quality, provenance, by_joint).
+        largest_step and wide_steps (joint, start, end, degrees), largest_step_joint (its short name), sign_flips,
+        not_unit_quaternions, metric (error, summary, scheme, joints, quality, provenance, by_joint).
     warnings : tuple of str
     """
 

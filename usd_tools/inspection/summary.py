@@ -102,7 +102,7 @@ def _animation_rows(animation: dict[str, Any]) -> list[tuple[str, str]]:
         rows.append(("stepped pairs", str(animation["stepped_pairs"])))
     step = animation["largest_step"]
     if step is not None:
-        where = f"joint {step['joint']}, time code {step['start']:g} to {step['end']:g}"
+        where = f"joint {animation['largest_step_joint']}, time code {step['start']:g} to {step['end']:g}"
         rows.append(("largest step", f"{step['degrees']:.1f} degrees: {where}"))
         rows.append((f"steps over {WIDE_DEGREES:g} degrees", str(len(animation["wide_steps"]))))
         rows.append(("sign flips", str(animation["sign_flips"])))

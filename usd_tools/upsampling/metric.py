@@ -199,7 +199,7 @@ def _read_file(path: Path) -> LearnedMetric:
 
 
 def _a_few(joints: Sequence[str], count: int = 5) -> str:
-    names = list(dict.fromkeys(joint.rsplit("/", 1)[-1] for joint in joints))
+    names = list(short_names(list(dict.fromkeys(joints))).values())
     if not names:
         return "no joints at all"
     return ", ".join(names[:count]) + (f" and {len(names) - count} more" if len(names) > count else "")
