@@ -116,6 +116,18 @@ def test_sparse_keys_are_no_cut():
     assert not len(cuts_of(vectors, places, 10.0 * times))
 
 
+@pytest.mark.parametrize("gap", [0.01, 0.15])
+def test_a_gap_of_another_length_is_no_cut(gap):
+    vectors, places, times = motion()
+    gaps = np.full(COUNT - 1, 0.15 if gap < 0.05 else 0.01)
+    gaps[AT] = gap
+    even = np.arange(COUNT)[:, None, None] * np.full((COUNT, 8, 3), 0.02)  # the same steps, one of them fast
+    steady = np.concatenate([[0.0], np.cumsum(gaps)])
+    assert not len(cuts_of(even, np.tile(places[:1], (COUNT, 1, 1)), steady))
+    same_speed = steady[:, None, None] * np.full((COUNT, 8, 3), 1.0)  # the same speed, one step large
+    assert not len(cuts_of(same_speed, np.tile(places[:1], (COUNT, 1, 1)), steady))
+
+
 def test_what_rounding_leaves_is_no_cut():
     _, places, times = motion()
     places = np.tile(places[:1], (COUNT, 1, 1))

@@ -105,7 +105,7 @@ def test_euler_angles_turn_as_the_scheme_turns(tmp_path, run, order, offset):
 
 
 def test_wrapped_angles_do_not_spin_back(tmp_path, run):
-    degrees = (40.0 * CODES) % 360.0
+    degrees = (40.0 * CODES + 200.0) % 360.0
 
     def add(xform):
         set_samples(xform.AddRotateYOp(), degrees.tolist())
@@ -113,7 +113,7 @@ def test_wrapped_angles_do_not_spin_back(tmp_path, run):
     source = rig(tmp_path / "in.usda", add)
     stage, _, _ = upsampled(run, tmp_path)
     values = np.array(check_keys(stage, source, "xformOp:rotateY"))
-    np.testing.assert_allclose((values - 40.0 * DENSE + 180.0) % 360.0, 180.0, atol=1e-3)
+    np.testing.assert_allclose((values - 40.0 * DENSE - 200.0 + 180.0) % 360.0, 180.0, atol=1e-3)
 
 
 @pytest.mark.parametrize("op", ["RotateZ", "RotateXYZ"])
@@ -230,6 +230,19 @@ def test_a_root_that_teleports_is_held(tmp_path, run):
         stage, _, _ = upsampled(run, tmp_path, *words)
         heights = np.array(samples(stage, "xformOp:translate")[1])[:, 2]
         assert (set(heights.tolist()) == {0.0, 500.0}) == held
+
+
+def test_two_samples_are_enough(tmp_path, run):
+    def add(xform):
+        op = xform.AddTranslateOp()
+        op.Set(Gf.Vec3d(0.0), 0)
+        op.Set(Gf.Vec3d(7.0), 7)
+
+    rig(tmp_path / "in.usda", add)
+    stage, _, _ = upsampled(run, tmp_path)
+    codes, values = samples(stage, "xformOp:translate")
+    np.testing.assert_array_equal(codes, DENSE)
+    np.testing.assert_allclose(np.array(values), np.tile(DENSE[:, None], 3), atol=1e-12)
 
 
 def test_no_xforms_leaves_them(tmp_path, run):
