@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 LARGEST = 1 << 26
@@ -11,6 +12,34 @@ LARGEST = 1 << 26
 
 DEEPEST = 32
 """Lists and objects within each other."""
+
+
+def read_text(path: Path) -> str:
+    """Read a file that somebody else may have written, as UTF-8 text.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    text : str
+
+    Raises
+    ------
+    ValueError
+        If it is too large, or not UTF-8.
+    OSError
+        If it cannot be read.
+    """
+    with path.open("rb") as file:  # which may have no end, as a device
+        data = file.read(LARGEST + 1)
+    if len(data) > LARGEST:
+        raise ValueError(f"This file has more than {LARGEST} bytes.")
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError:
+        raise ValueError("This file is not UTF-8 text.") from None
 
 
 def parse_json(text: str) -> Any:

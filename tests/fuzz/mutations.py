@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import re
+import zipfile
 from random import Random
 
 NUMBERS = (
@@ -19,6 +21,38 @@ WORDS = (
 ).split(b" ")
 _NUMBER = re.compile(rb"(?<![\w.])-?\d[\d.e+-]*")
 _WORD = re.compile(rb"[\w:\[\].]+")
+
+
+NAMES = (
+    "../{}",
+    "/{}",
+    "a/../../{}",
+    "..\\{}",
+    "C:\\{}",
+    "{}/",
+    ".",
+    "..",
+    "\x1b[2J{}",
+    "{}\n",
+    "\u202e{}",
+    "a" * 300,
+    "0.usdc",
+)
+"""Names of members of packages."""
+
+
+def renamed(package: bytes, random: Random) -> bytes:
+    """Give a member of a package another name."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(package)) as archive:
+            members = [(info.filename, archive.read(info)) for info in archive.infolist()]
+    except Exception:  # it is broken already
+        return package
+    chosen, changed = random.randrange(len(members)), io.BytesIO()
+    with zipfile.ZipFile(changed, "w", random.choice((zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED))) as archive:
+        for k, (name, data) in enumerate(members):
+            archive.writestr(random.choice(NAMES).format(name) if k == chosen else name, data)
+    return changed.getvalue()
 
 
 def broken(text: bytes, others: list[bytes], is_text: bool, random: Random) -> bytes:

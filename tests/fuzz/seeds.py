@@ -12,10 +12,14 @@ from pxr import Sdf, Usd, UsdSkel, UsdUtils
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "usd_tools"))
 
 from bvh_files import CHAIN, MIXED, write_bvh  # noqa: E402
-from rigs import ANIMATION, SKELETON, make_rig, random_rotations, set_samples  # noqa: E402
+from rigs import ANIMATION, JOINTS, SKELETON, make_rig, random_rotations, set_samples  # noqa: E402
 
 from geomstats_anim import LearnedMetric, MetricParameters  # noqa: E402
+from geomstats_anim.learning.tune.journal import Journal  # noqa: E402
+from geomstats_anim.learning.tune.tpe import Space  # noqa: E402
 from usd_tools.metrics.attributes import write_metric  # noqa: E402
+
+SPACE = Space(range(2), "spd", "joint", "geodesic-spline")
 
 
 def seeds() -> dict[str, list[bytes]]:
@@ -32,7 +36,24 @@ def seeds() -> dict[str, list[bytes]]:
         for k, text in enumerate((MIXED, CHAIN)):
             write_bvh(folder / f"{k}.bvh", n_frames=3, text=text)
         found[".bvh"] = [(folder / f"{k}.bvh").read_bytes() for k in range(2)]
+        found[".json"] = [_metric().to_json().encode(), _metric().to_json().replace("\n", "").encode()]
+        found[".txt"] = [b"0.5, 1.25\n3\n", b"# no comment\n1 2 2.5", b"source"]
+        found[".jsonl"] = [_journal(folder / "trials.jsonl")]
     return found
+
+
+def _metric() -> LearnedMetric:
+    parameters = MetricParameters([4.0, 1.0, 2.0], [0.5, 1.0, 1.0], np.eye(3), ("left", "right", "left"))
+    provenance = {"source": "a.usda", "seed": 3, "styles": ["*:alpha=2"], "scores": {"left": [0.25, None]}}
+    return LearnedMetric(tuple(JOINTS), parameters, np.ones(3), "geodesic-spline", "hyb", provenance)
+
+
+def _journal(path: Path) -> bytes:
+    journal = Journal(path)
+    journal.begin(SPACE, 3, resume=False)
+    for k in range(4):
+        journal.add({**SPACE.identity, "log_alpha_0": 0.1 * k, "side_1": "right"}, 0.5 - 0.1 * k)
+    return path.read_bytes()
 
 
 def _moving(path: Path) -> Path:

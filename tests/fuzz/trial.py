@@ -10,15 +10,20 @@ import sys
 import tempfile
 import traceback
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from random import Random
 
 from pxr import Usd
 
-from tests.fuzz.mutations import broken
-from tests.fuzz.seeds import seeds
+from geomstats_anim.learning.tune.journal import Journal
+from tests.fuzz.mutations import broken, renamed
+from tests.fuzz.seeds import SPACE, seeds
+from usd_tools.console.errors import ToolError
+from usd_tools.console.errors import run as run_command
 
-KINDS = (".usda", ".usda", ".usda", ".usdc", ".usdc", ".bvh", ".bvh", ".usdz")
+KINDS = (*(".usda",) * 6, *(".usdc",) * 4, *(".bvh",) * 4, *(".usdz",) * 3, ".json", ".txt", ".jsonl")
+TEXTS = (".usda", ".bvh", ".json", ".txt", ".jsonl")
 _UPSAMPLE = (
     ("--factor", "3", "-o", "out.usda"),
     ("--factor", "2", "--alpha", "4", "--beta", ".5", "-o", "out.usdc"),
@@ -40,6 +45,19 @@ COMMANDS = {
 }
 SHARES = {"inspect": 4, "upsample": 12, "learn": 2, "downsample": 6, "compare": 1}
 FROM_BVH = (("-o", "out.usda"), ("-o", "out.usdc", "--skip-first"), ("-o", "out.usdz", "--fps", "30", "--up", "Z"))
+PACKAGES = (
+    ("--factor", "2", "-o", "out.usdz"),
+    ("--factor", "2", "-o", "out.usdz", "--max-unpacked", ".000004"),
+    ("--factor", "2", "-o", "out.usda"),
+)
+COMPANION = "good.usda"
+"""A good file, for commands whose other file is broken; FILE stands for that one."""
+
+BESIDE = {
+    ".json": ("upsample", (COMPANION, "--factor", "2", "--metric", "FILE", "-o", "out.usda")),
+    ".txt": ("upsample", (COMPANION, "--times", "FILE", "-o", "out.usda")),
+    ".jsonl": ("journal", ("FILE",)),
+}
 _VERBS = [verb for verb in COMMANDS for _ in range(SHARES[verb])]
 
 
@@ -59,9 +77,16 @@ class Trial:
         return f"in{self.number}{self.suffix}"
 
     @property
+    def arguments(self) -> list[str]:
+        """Arguments of the command."""
+        if self.suffix in BESIDE:
+            return [self.name if word == "FILE" else word for word in self.options]
+        return [self.name, *self.options]
+
+    @property
     def command(self) -> str:
         """Command line."""
-        return " ".join(["python -m", f"usd_tools.{self.verb}", self.name, *self.options])
+        return " ".join(["python -m", f"usd_tools.{self.verb}", *self.arguments])
 
 
 class Trials:
@@ -75,7 +100,11 @@ class Trials:
         random = Random(f"{self._seed} {number}")
         suffix = random.choice(KINDS)
         files = self._files[suffix]
-        data = broken(random.choice(files), files, suffix in (".usda", ".bvh"), random)
+        data = broken(random.choice(files), files, suffix in TEXTS, random)
+        if suffix in BESIDE:
+            return Trial(number, suffix, data, *BESIDE[suffix])
+        if suffix == ".usdz" and random.random() < 0.7:
+            return Trial(number, suffix, renamed(random.choice(files), random), "upsample", random.choice(PACKAGES))
         verb = "from_bvh" if suffix == ".bvh" else random.choice(_VERBS)
         return Trial(number, suffix, data, verb, random.choice(FROM_BVH if suffix == ".bvh" else COMMANDS[verb]))
 
@@ -88,6 +117,8 @@ def warm_up(folder: Path) -> None:
         for number, data in enumerate(good[suffix]):
             for options in several:
                 perform(Trial(number, suffix, data, verb, options), folder)
+    for suffix, (verb, options) in BESIDE.items():
+        perform(Trial(0, suffix, good[suffix][0], verb, options), folder)
 
 
 @dataclass(frozen=True)
@@ -108,6 +139,8 @@ def perform(trial: Trial, folder: Path) -> Outcome:
     try:
         os.chdir(work)
         Path(trial.name).write_bytes(trial.data)
+        if COMPANION in trial.options:
+            Path(COMPANION).write_bytes(_good())
         for stream, name in ((1, "out"), (2, "err")):
             file = os.open(told / name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
             os.dup2(file, stream)
@@ -128,9 +161,27 @@ def perform(trial: Trial, folder: Path) -> Outcome:
 
 def _call(trial: Trial) -> int | str:
     try:
-        return VERBS[trial.verb].main([trial.name, *trial.options])
-    except BaseException:  # also an exit
+        if trial.verb == "journal":
+            return run_command(lambda: _resume(Path(trial.name)))
+        return VERBS[trial.verb].main(trial.arguments)
+    except SystemExit as stop:  # of a usage error: --times names a file
+        return stop.code if trial.suffix == ".txt" and isinstance(stop.code, int) else traceback.format_exc()
+    except BaseException:
         return traceback.format_exc()
+
+
+def _resume(path: Path) -> int:
+    """Read a journal as a resumed search does, without Ray."""
+    try:
+        Journal(path).begin(SPACE, 3, resume=True)
+    except ValueError as error:
+        raise ToolError(str(error)) from error
+    return 0
+
+
+@cache
+def _good() -> bytes:
+    return seeds()[".usda"][0]
 
 
 def _judge(trial: Trial, code: int | str, err: str, scratch: Path) -> Outcome:
@@ -138,7 +189,7 @@ def _judge(trial: Trial, code: int | str, err: str, scratch: Path) -> Outcome:
     if isinstance(code, str) or "Traceback" in err:
         return Outcome("failed", f"traceback: {code}{err}")
     out = Path(trial.options[trial.options.index("-o") + 1]) if "-o" in trial.options else None
-    allowed = {trial.name} | ({str(out)} if out and code == 0 else set())
+    allowed = {trial.name, *({COMPANION} & set(trial.options))} | ({str(out)} if out and code == 0 else set())
     if {path.name for path in Path().iterdir()} != allowed or list(scratch.iterdir()):
         left = [str(path) for path in (*Path().iterdir(), *scratch.iterdir())]
         return Outcome("failed", f"exit code {code}, but these files are there: {left}")
@@ -151,8 +202,10 @@ def _judge(trial: Trial, code: int | str, err: str, scratch: Path) -> Outcome:
             if path.suffix != ".usdz" and (word := re.search(rb"geomstats_anim-\w+", path.read_bytes())):
                 return Outcome("failed", f"{path} names a temporary folder: {word.group()!r}")
         return Outcome("accepted")
+    if code == 2:
+        lines = lines[:1] if "".join(lines[1:]).startswith("usage: ") else lines
     errors = [line for line in lines if line.startswith("error: ")]
-    if code != 1 or len(errors) != 1 or lines[-1] != errors[0] or len(errors[0]) > 1000:
+    if code not in (1, 2) or len(errors) != 1 or lines[-1] != errors[0] or len(errors[0]) > 1000:
         return Outcome("failed", f"exit code {code} and not one sentence: {err[-1500:]}")
     return Outcome("refused", errors[0].removeprefix("error: "))
 

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from operator import index
 from pathlib import Path
 
+from geomstats_anim.strict_json import read_text
+
 
 def positive_number(text: str) -> float:
     """Parse a positive, finite number."""
@@ -105,7 +107,7 @@ def time_codes(text: str) -> TimeCodes:
     except ValueError:
         pass
     try:
-        return TimeCodes(_numbers(Path(text).read_text(encoding="utf-8")), Path(text).name)
+        return TimeCodes(_numbers(read_text(Path(text))), Path(text).name)
     except (OSError, ValueError):
         raise argparse.ArgumentTypeError(
             f"must be comma-separated numbers or a file of numbers, not {text!r}"

@@ -179,9 +179,12 @@ class SkelClip:
     @cached_property
     def _is_rigid(self) -> bool:
         """Return whether lengths in the world are those of `skeleton` at all times."""
-        if not self.source.rig:
+        units = UsdGeom.GetStageMetersPerUnit(self.source.stage)
+        if not self.source.rig or not (np.isfinite(units) and units > 0.0):  # one metre per unit is taken then
             return True
         linear = world_matrices(self.source.rig[0], self.codes)[:, :3, :3] / self._file_scale
+        if not np.isfinite(linear).all():
+            return True
         return np.allclose(linear @ linear.transpose(0, 2, 1), np.eye(3), rtol=0.0, atol=1e-6)
 
     @property

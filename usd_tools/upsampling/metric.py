@@ -8,6 +8,7 @@ from pathlib import Path
 
 from geomstats_anim import LearnedMetric
 from geomstats_anim.names import DEFAULT_SCHEME, SCHEME_NAMES, WITH_METRIC
+from geomstats_anim.strict_json import read_text
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.progress import ProgressCallback
 from usd_tools.console.text import did_you_mean, short_names
@@ -187,7 +188,7 @@ def learn_from_clip(
 
 def _read_file(path: Path) -> LearnedMetric:
     try:
-        return LearnedMetric.from_json(path.read_text(encoding="utf-8"))
+        return LearnedMetric.from_json(read_text(path))
     except FileNotFoundError as error:
         raise ToolError(
             f"--metric {path}: there is no such file; use stored, identity, learn or a JSON file."

@@ -23,16 +23,14 @@ from ray.tune.search import ConcurrencyLimiter
 from ray.tune.search.hyperopt import HyperOptSearch
 
 from geomstats_anim.learning.learnable import Learnable
+from geomstats_anim.learning.tune.journal import JOURNAL, METRIC, Journal, point_key
 from geomstats_anim.learning.tune.loggers import file_loggers, wandb_logger
 from geomstats_anim.learning.tune.ray_runtime import running
 from geomstats_anim.learning.tune.settings import WINDOW, TuneSettings
 from geomstats_anim.learning.tune.tpe import STARTUP, Convergence, Point, Space, as_document, point_of
 from geomstats_anim.names import TRIALS
-from geomstats_anim.strict_json import parse_json
 
-METRIC, MODE = "quality", "min"
-
-_JOURNAL = "trials.jsonl"
+MODE = "min"
 
 _followers: dict[Path, Callable[[int, float], None]] = {}
 """Who is told of the progress of the journals; Tune pickles its callbacks, and a resumed run has a new follower."""
@@ -67,10 +65,8 @@ def run(
     """
     keep = settings.folder is not None
     with nullcontext(settings.folder) if keep else tempfile.TemporaryDirectory(prefix="geomstats_anim-") as name:
-        journal = Journal(Path(str(name)).absolute() / _JOURNAL)
-        journal.begin({"labels": list(space.identity), "seed": seed}, settings.resume)
-        if not all(space.holds(json.loads(point)) for point in journal.values):
-            raise ValueError(f"{journal.path} has a trial that this search cannot make; begin the search anew.")
+        journal = Journal(Path(str(name)).absolute() / JOURNAL)
+        journal.begin(space, seed, settings.resume)
         _followers[journal.path] = progress
         try:
             with running(settings.address, settings.cpus) as workers, _quiet(), _interruptible():
@@ -116,87 +112,12 @@ def _tuner(
 
 
 def _evaluate(config: Point, objective: Learnable, space: Space, known: Mapping[str, float]) -> None:
-    value = known.get(_key(config))
+    value = known.get(point_key(config))
     tune.report({METRIC: objective.value(space.parameters(config)) if value is None else value})
 
 
 def _trial_id(trial: Any) -> str:
     return str(trial.trial_id)
-
-
-def _key(point: Mapping[str, Any]) -> str:
-    return json.dumps(point, sort_keys=True)
-
-
-class Journal:
-    """The finished trials of a search, one line per trial: a file that only grows.
-
-    Parameters
-    ----------
-    path : Path
-
-    Attributes
-    ----------
-    values : dict
-        Value of each point, which is written as JSON.
-    """
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self.values: dict[str, float] = {}
-
-    def begin(self, header: Mapping[str, Any], resume: bool) -> None:
-        """Open a new journal, or the one that is there.
-
-        Raises
-        ------
-        ValueError
-            If there is one but should not be, or the other way round, or it is that of another search.
-        """
-        folder = self.path.parent
-        if not resume:
-            if self.path.exists():
-                raise ValueError(f"{folder} holds the results of a search; resume it, or name another folder.")
-            folder.mkdir(parents=True, exist_ok=True)
-            self.path.write_text(json.dumps(header) + "\n")
-            return
-        if not self.path.exists():
-            raise ValueError(f"{folder} holds no search to resume: there is no {self.path.name} in it.")
-        if self.read() != header:
-            raise ValueError(f"The search in {folder} has other joints, another family, invariance or seed.")
-
-    def read(self) -> dict[str, Any]:
-        """Read all lines, and return the first."""
-        # a line that a kill has cut short ends without a newline
-        lines = self.path.read_text().split("\n")[:-1]
-        self.values = {}
-        try:
-            for line in lines[1:]:
-                trial = parse_json(line)
-                self.values[_key(trial["point"])] = float(trial[METRIC])
-            return dict(parse_json(lines[0])) if lines else {}
-        except (KeyError, TypeError, ValueError) as error:
-            raise ValueError(f"{self.path} is not the journal of a search: {error}") from error
-
-    def add(self, point: Point, value: float) -> bool:
-        """Write a trial down, unless it is there."""
-        key = _key(point)
-        if key in self.values:
-            return False
-        self.values[key] = value
-        with self.path.open("a") as file:
-            file.write(json.dumps({"point": point, METRIC: value}) + "\n")
-        return True
-
-    def __getstate__(self) -> Path:
-        """Travel as a path: what is in the file is newer."""
-        return self.path
-
-    def __setstate__(self, path: Path) -> None:
-        """Read the file."""
-        self.__init__(path)  # type: ignore[misc]
-        if path.exists():
-            self.read()
 
 
 class _Interruption(Exception):
@@ -255,7 +176,7 @@ class _JournalledSearch(HyperOptSearch):
 
     def suggest(self, trial_id: str) -> dict[str, Any] | None:
         if self._forgotten is None:
-            known = {_key(point_of(document)) for document in self._hpopt_trials.trials}
+            known = {point_key(point_of(document)) for document in self._hpopt_trials.trials}
             self._forgotten = [json.loads(key) for key in self._journal.values if key not in known]
         if self._points_to_evaluate or not self._forgotten:
             return super().suggest(trial_id)
