@@ -190,9 +190,7 @@ class SkelClip:
     @property
     def _file_scale(self) -> float:
         """World units of the file per unit of the skeleton's space."""
-        units = UsdGeom.GetStageMetersPerUnit(self.source.stage)
-        is_usable = np.isfinite(units) and units > 0.0  # else one metre per unit is used
-        return self.world_scale / units if is_usable else self.world_scale
+        return self.world_scale / UsdGeom.GetStageMetersPerUnit(self.source.stage)
 
     def _placements(self, codes: np.ndarray) -> np.ndarray | None:
         """Return where the skeleton is in the world, see `Animation`; None where that changes no length."""
