@@ -17,7 +17,7 @@ from usd_tools.console.arguments import add_output, add_prim, positive_number, s
 from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.progress import ProgressBar, ProgressCallback
-from usd_tools.downsampling.options import DownsampleOptions
+from usd_tools.downsampling.options import WEIGHTS_TOLERANCE, DownsampleOptions
 from usd_tools.downsampling.result import DownsampledAnimation, DownsampleResult
 
 if TYPE_CHECKING:
@@ -167,14 +167,26 @@ def parser(prog: str = PROG) -> ArgumentParser:
 
 def _add_choice(parse: ArgumentParser) -> None:
     how_many = parse.add_mutually_exclusive_group(required=True)
-    how_many.add_argument("--rate", metavar="S", type=share, help="share of the samples to keep, above 0 and below 1")
-    how_many.add_argument("--keys", metavar="K", type=whole_number, help="number of samples to keep in each animation")
+    how_many.add_argument(
+        "--rate", metavar="S", type=share, help="share of the samples of joints to keep, above 0 and below 1"
+    )
+    how_many.add_argument(
+        "--keys", metavar="K", type=whole_number, help="number of samples of joints to keep in each animation"
+    )
     how_many.add_argument(
         "--tolerance",
         metavar="CM",
         type=positive_number,
         help="keep the fewest samples with which every measured point stays within this distance in the world, in "
         "centimetres",
+    )
+    parse.add_argument(
+        "--weights-tolerance",
+        metavar="W",
+        type=positive_number,
+        default=WEIGHTS_TOLERANCE,
+        help="keep the fewest samples of blend shape weights with which every weight stays within W, whether joints go "
+        "by --rate, --keys or --tolerance; default: %(default)g",
     )
     parse.add_argument(
         "--measure",

@@ -15,6 +15,7 @@ class Row:
 
     Animations by their prims: a letter for every channel that has a value, and its number of samples if there are any.
     Two samples or more are animated; one sample, or a value without, is passed through like the rest of the file.
+    Where only weights of blend shapes move, downsample keeps the number of samples that is written as kept.
 
     A verb has the sentence with which it refuses the file, None if it does not; {} is the path of the file. What it
     needs, but is not there, is nowhere. Transforms are those that upsample gives samples, as they move the character.
@@ -28,6 +29,7 @@ class Row:
     warnings: tuple[str, ...] = ()
     nowhere: tuple[str, ...] = ()
     transforms: tuple[str, ...] = ()
+    kept: int | None = None
 
     @property
     def samples(self):
@@ -51,9 +53,9 @@ def too_short(animations, learn, warnings=()):
     return Row(animations, None, learn, learn, None, warnings)
 
 
-def only_weights(animations, learn):
-    """A row with blend shapes only, which are neither learned from nor thinned."""
-    return Row(animations, None, learn, learn, NO_CHOICE)
+def only_weights(animations, learn, kept):
+    """A row with blend shapes only, which are not learned from."""
+    return Row(animations, None, learn, learn, kept=kept)
 
 
 def still(counts):
@@ -141,10 +143,10 @@ TABLE = {
         nowhere=("Cesium_Man-effect_diffuse.jpg",),
     ),
     "usd/openusd_bake_blendshapes.usda": only_weights(
-        {"/TestPlane/Skel/Anim": "W131"}, unsampled("/TestPlane/Skel/Anim")
+        {"/TestPlane/Skel/Anim": "W131"}, unsampled("/TestPlane/Skel/Anim"), 18
     ),
     "usd/openusd_bake_blendshapesWithNormals.usda": only_weights(
-        {"/TestPlane/Skel/Anim": "W9"}, unsampled("/TestPlane/Skel/Anim")
+        {"/TestPlane/Skel/Anim": "W9"}, unsampled("/TestPlane/Skel/Anim"), 8
     ),
     "usd/openusd_bake_dqs.usda": Row({"/Root/Skeleton/Animation": "R30 T30 S30"}),
     "usd/openusd_bake_lbs.usda": Row({"/Root/Skeleton/Animation": "R30 T30 S30"}),
@@ -159,7 +161,7 @@ TABLE = {
     ),
     "usd/openusd_imaging_arm.usda": too_short({"/Model/Skel/Anim1": "R2 T S"}, few("/Model/Skel/Anim1", 2)),
     "usd/openusd_imaging_blendshapes.usda": only_weights(
-        {"/TestPlane/Skel/Anim": "W3"}, unsampled("/TestPlane/Skel/Anim")
+        {"/TestPlane/Skel/Anim": "W3"}, unsampled("/TestPlane/Skel/Anim"), 3
     ),
     "usd/openusd_imaging_dqs.usda": Row(
         {"/Root/Skeleton/Animation": "R5 T2 S"}, learn=ONE_SEGMENT, warnings=wide(*BENDS)
@@ -191,7 +193,7 @@ TABLE = {
     ),
     "usd/tinyusdz_FAIL_usdskel-002.usda": refused({}, NOTHING, NOTHING),
     "usd/tinyusdz_blendshape-and-animation-test-001.usda": only_weights(
-        {"/root/Cube/Skel/Anim": "W250"}, unsampled("/root/Cube/Skel/Anim")
+        {"/root/Cube/Skel/Anim": "W250"}, unsampled("/root/Cube/Skel/Anim"), 11
     ),
     "usd/tinyusdz_blendshape.usda": refused(
         {"/root/Cube/Skel/Anim": "W"},

@@ -32,7 +32,7 @@ class Measure:
     Raises
     ------
     ToolError
-        If the skin is to be measured, and there is none.
+        If the skin is to be measured, and joints move none.
     """
 
     def __init__(self, clip: SkelClip, options: DownsampleOptions) -> None:
@@ -40,7 +40,7 @@ class Measure:
         if options.measure == "shell":
             self.markers = self.shown = Markers.of_shell(animation_of(clip), 0.01 * options.shell_centimetres)
         self._chosen = np.arange(self.markers.n_markers)
-        if options.measure == "skin":
+        if options.measure == "skin" and clip.joints:
             skin = skin_markers(clip)
             if not skin.n_markers:
                 raise ToolError(

@@ -20,10 +20,15 @@ from usd_tools.console.arguments import TimeCodes, as_time_codes, positive_numbe
 from usd_tools.console.errors import UsageError
 from usd_tools.console.options import OutputOptions, one_of, option
 
+WEIGHTS_TOLERANCE = 0.01
+"""Blend shapes are authored in percent: less than this is not seen."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class DownsampleOptions(OutputOptions):
     """Options of `downsample`, in the words of its command line; exactly one of the first three is needed.
+
+    The first three are about joints.
 
     Parameters
     ----------
@@ -33,6 +38,10 @@ class DownsampleOptions(OutputOptions):
         Number of samples to keep, of each animation.
     tolerance : float
         Centimetres in the world: the fewest samples are kept with which no measured point is further from its place.
+    weights_tolerance : float
+        The fewest samples of blend shape weights are kept with which no weight is further from its value, whatever
+        decides about joints.
+        Optional, default: 0.01.
     measure : str
         Points that the tolerance is about: "ends", the joints and the ends of their bones; "shell", points around the
         joints too, which twists move; "skin", the points of the meshes that the skeleton deforms too.
@@ -62,6 +71,7 @@ class DownsampleOptions(OutputOptions):
     rate: float | None = option(None, share)
     keys: int | None = option(None, whole_number)
     tolerance: float | None = option(None, positive_number)
+    weights_tolerance: float = option(WEIGHTS_TOLERANCE, positive_number)
     measure: str | None = option(None, one_of(MEASURES))
     shell: float | None = option(None, positive_number)
     select: str = option(SELECTIONS[0], one_of(SELECTIONS))

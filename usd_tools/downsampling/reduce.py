@@ -19,6 +19,7 @@ from usd_tools.console.errors import Messages, ToolError
 from usd_tools.downsampling.measure import Measure
 from usd_tools.downsampling.options import DownsampleOptions
 from usd_tools.downsampling.thinning import Errors, SampleSelection, restored, sampled_alike
+from usd_tools.downsampling.weights import WEIGHTS, thinned_weights, weights_error
 from usd_tools.files.stages import stage_sha256
 from usd_tools.metrics.attributes import read_metric, read_source_codes
 from usd_tools.metrics.explain import BY_JOINT, errors_by_joint
@@ -57,6 +58,8 @@ class DownsampledClip:
     skeleton_paths : tuple of str
         Paths of the Skeletons that it drives; prims are gone when what is written changes the composition.
     measure : Measure
+    weights_error : float or None
+        Largest error of the weights of blend shapes, rebuilt; None if they never change.
     """
 
     selection: SampleSelection
@@ -69,6 +72,7 @@ class DownsampledClip:
     path: str
     skeleton_paths: tuple[str, ...]
     measure: Measure
+    weights_error: float | None
 
     @property
     def clip(self) -> SkelClip:
@@ -115,13 +119,14 @@ def downsample_clip(
     clip = sampled_alike(clip)
     for note in (*clip.notes, *left_sparse(clip)):
         messages.warn(note)
-    if not (clip.is_animated and clip.joints):
+    if not clip.is_animated:
         return None
-    if options.tolerance is not None and not clip.source.rig:
+    if options.tolerance is not None and clip.joints and not clip.source.rig:
         raise ToolError(
             f"{clip.path} has no skeleton, so --tolerance cannot be measured; bind it to its skeleton, or use --rate."
         )
-    selection = SampleSelection.of(clip)
+    keep = np.zeros(0) if options.keep is None else codes_for(clip, options.keep)
+    selection = SampleSelection.of(clip, thinned_weights(clip, options.weights_tolerance, keep))
     if selection.kept_whole:
         messages.warn(
             f"{clip.path}: {' and '.join(selection.kept_whole)} change and are kept whole, since no error is defined "
@@ -134,7 +139,7 @@ def downsample_clip(
     while True:
         try:
             compressed = _compressed(
-                clip, selection, animations, options, measure.few, allowance and allowance - margin, watch
+                clip, selection, animations, options, keep, measure.few, allowance and allowance - margin, watch
             )
         except ValueError as error:
             raise ToolError(f"{clip.path} cannot be downsampled with these options: {error}") from error
@@ -152,8 +157,24 @@ def downsample_clip(
     uniform = _uniform(animations, errors, options, measure.markers)
     skeletons = tuple(str(prim.GetPath()) for prim in clip.source.skeletons)
     return DownsampledClip(
-        selection, sparse, metric, errors, played, uniform, options.criterion, clip.path, skeletons, measure
+        selection,
+        sparse,
+        metric,
+        errors,
+        played,
+        uniform,
+        options.criterion,
+        clip.path,
+        skeletons,
+        measure,
+        _weights_error(selection, dense),
     )
+
+
+def _weights_error(selection: SampleSelection, rebuilt: SkelClip) -> float | None:
+    if selection.weights is None:
+        return None
+    return weights_error(rebuilt.channels[WEIGHTS], selection.clip.channels[WEIGHTS])
 
 
 def _compressed(
@@ -161,6 +182,7 @@ def _compressed(
     selection: SampleSelection,
     animations: Sequence[Animation],
     options: DownsampleOptions,
+    codes: np.ndarray,
     markers: Markers,
     tolerance: float | None,
     watch: Callable[[int, float], None],
@@ -169,7 +191,6 @@ def _compressed(
         return Compressed((), LearnedMetric.plain(clip.skeleton.joints, options.scheme))
     keep = None
     if options.keep is not None:
-        codes = codes_for(clip, options.keep)
         keep = selection.frames_at(codes)
         lost = codes[~np.isin(codes, clip.codes)]
         if len(lost):
@@ -286,7 +307,7 @@ def verified(
     Raises
     ------
     ToolError
-        If a tolerance is exceeded.
+        If one of the tolerances is exceeded.
     """
     sources = find_animations(stage)
     checked = []
@@ -295,13 +316,20 @@ def verified(
         source = next(
             source for source in sources if paths & {source.path, *(str(s.GetPath()) for s in source.skeletons)}
         )
-        metric, codes = read_metric(source.prim), read_source_codes(source.prim)
+        metric, codes = read_metric(source.prim) if each.clip.joints else each.metric, read_source_codes(source.prim)
         assert metric is not None and codes is not None
-        errors = each.measure.errors(restored(read_clip(source), metric, codes), each.clip)
+        rebuilt = restored(read_clip(source), metric, codes)
+        errors = each.measure.errors(rebuilt, each.clip)
         if options.tolerance is not None and errors.largest > options.tolerance:
             raise ToolError(
                 f"{path}: {each.path} is rebuilt only to within {errors.largest:g} cm, but --tolerance is "
                 f"{options.tolerance:g}; please report this."
             )
-        checked.append(replace(each, errors=errors))
+        off = _weights_error(each.selection, rebuilt)
+        if off is not None and off > options.weights_tolerance:
+            raise ToolError(
+                f"{path}: weights of {each.path} are rebuilt only to within {off:g}, but --weights-tolerance is "
+                f"{options.weights_tolerance:g}; please report this."
+            )
+        checked.append(replace(each, errors=errors, weights_error=off))
     return checked

@@ -28,10 +28,14 @@ class DownsampledAnimation:
     kept_time_codes : tuple of float
     scheme : str
     metric_summary : str
+        "" if there are no joints.
     constant : tuple of str
         Attributes that never change, and became one value.
     kept_whole : tuple of str
         Attributes that change and keep all samples.
+    weights : dict or None
+        Of the weights of blend shapes, if they change: samples, kept_samples, tolerance, and the largest_error that
+        `upsample --times source` leaves.
     rebuilt, played : dict
         Errors of what `upsample --times source` rebuilds, and of what viewers show: degrees and centimetres
         (statistics), q_loc, q_rot, q_hyb.
@@ -53,6 +57,7 @@ class DownsampledAnimation:
     metric_summary: str
     constant: tuple[str, ...]
     kept_whole: tuple[str, ...]
+    weights: dict[str, Any] | None
     rebuilt: dict[str, Any]
     played: dict[str, Any]
     joints: tuple[dict[str, Any], ...]

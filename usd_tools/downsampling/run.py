@@ -49,6 +49,8 @@ def downsample_file(
         sources = select_animations(source, everyone, options.prim)
         target = target.without_source(sources)
         clips = _downsampled(source, sources, options, messages, progress, not target.copy)
+        if options.picture is not None and not any(each.clip.joints for each in clips):
+            raise ToolError(f"--picture draws the motion of joints, but {source} has blend shapes only; leave it out.")
         layer = target.layer(stage, TOOL, options.settings(), messages)
         layer.replace_samples([each.clip.source for each in clips], everyone)
         _write(layer, clips, messages)
@@ -137,13 +139,14 @@ def _write(layer: AnimationLayer, clips: Sequence[DownsampledClip], messages: Me
         constant = {name: each.sparse.channels[name].default for name in each.sparse.channels if name not in sampled}
         source = each.clip.source
         defaults = {**each.clip.missing, **constant}
-        layer.write_animation(source, sampled, defaults, each.metric, messages, each.clip.codes, each.clip.cuts)
+        metric = each.metric if each.clip.joints else None
+        layer.write_animation(source, sampled, defaults, metric, messages, each.clip.codes, each.clip.cuts)
 
 
 def _described(
     clips: Sequence[DownsampledClip], options: DownsampleOptions, messages: Messages
 ) -> tuple[DownsampledAnimation, ...]:
-    animations = tuple(map(describe, clips))
+    animations = tuple(describe(each, options.weights_tolerance) for each in clips)
     for animation in animations:
         if options.tolerance is None or options.measure not in (None, "ends"):
             continue

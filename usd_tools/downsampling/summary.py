@@ -17,6 +17,7 @@ from usd_tools.console.text import counted, say, say_command, short_names
 from usd_tools.downsampling.reduce import DownsampledClip
 from usd_tools.downsampling.result import DownsampledAnimation, DownsampleResult
 from usd_tools.downsampling.thinning import Errors
+from usd_tools.downsampling.weights import WEIGHTS
 from usd_tools.files.atomic import written_beside
 from usd_tools.files.paths import same_file
 from usd_tools.metrics.attributes import summary
@@ -42,13 +43,22 @@ def print_summary(result: DownsampleResult, source: Path, verbose: bool) -> None
 
 
 def _print_animation(animation: DownsampledAnimation, verbose: bool) -> None:
+    included = "metric" if animation.scheme in WITH_METRIC else "scheme"
     say(
         f"{animation.prim}: {animation.kept_samples} of {animation.samples} samples kept, "
-        f"{counted(len(animation.joints), 'joint')}; "
+        f"{counted(len(animation.joints), 'joint') if animation.joints else 'blend shapes'}; "
         f"{animation.bytes_usdc_before} -> {animation.bytes_usdc_after} bytes as usdc, "
-        f"{animation.bytes_numpy_before} -> {animation.bytes_numpy_after} as NumPy, "
-        f"{'metric' if animation.scheme in WITH_METRIC else 'scheme'} included"
+        f"{animation.bytes_numpy_before} -> {animation.bytes_numpy_after} as NumPy"
+        f"{f', {included} included' if animation.joints else ''}"
     )
+    weights = animation.weights
+    if weights is not None:
+        say(
+            f"  blendShapeWeights: {weights['kept_samples']} of {weights['samples']} samples kept by "
+            f"--weights-tolerance {weights['tolerance']:g}, largest error {weights['largest_error']:.2g}"
+        )
+    if not animation.joints:
+        return
     say(f"  {animation.metric_summary}")
     show(
         "Errors over all frames",
@@ -116,10 +126,10 @@ def _print_file(result: DownsampleResult, source: Path) -> None:
         say(f"{out} is larger than {older} because it is text; use an --out that ends in .usdc.")
 
 
-def describe(downsampled: DownsampledClip) -> DownsampledAnimation:
+def describe(downsampled: DownsampledClip, weights_tolerance: float) -> DownsampledAnimation:
     """Return what was done to an animation, as plain values."""
-    selection, clip, sparse, metric = downsampled.selection, downsampled.clip, downsampled.sparse, downsampled.metric
-    errors = downsampled.errors
+    selection, clip, sparse, errors = downsampled.selection, downsampled.clip, downsampled.sparse, downsampled.errors
+    metric = downsampled.metric if clip.joints else None
     n_frames = [span.stop - span.start for span in selection.spans]
     uniform = selection.sparse(downsampled.uniform)
     return DownsampledAnimation(
@@ -128,15 +138,17 @@ def describe(downsampled: DownsampledClip) -> DownsampledAnimation:
         samples=sum(n_frames) if n_frames else len(clip.codes),
         kept_samples=len(downsampled.kept),
         kept_time_codes=tuple(downsampled.kept.tolist()),
-        scheme=metric.scheme,
-        metric_summary=_summary_of(metric),
+        scheme=downsampled.metric.scheme,
+        metric_summary="" if metric is None else _summary_of(metric),
         constant=tuple(name for name, channel in sparse.channels.items() if not len(channel.codes)),
         kept_whole=tuple(selection.kept_whole),
+        weights=_weights(downsampled, weights_tolerance),
         rebuilt=_statistics(errors),
         played=_statistics(downsampled.played),
         joints=tuple(
             {"joint": joint, "degrees": _summary(degrees), "centimetres": _summary(centimetres)}
             for joint, degrees, centimetres in zip(errors.joints, errors.degrees.T, errors.centimetres.T, strict=True)
+            if clip.joints
         ),
         largest_rotation_error=_largest_rotation_error(downsampled),
         bytes_usdc_before=clip_bytes_usdc(clip, None, None),
@@ -152,8 +164,22 @@ def describe(downsampled: DownsampledClip) -> DownsampledAnimation:
     )
 
 
+def _weights(downsampled: DownsampledClip, tolerance: float) -> dict[str, Any] | None:
+    kept = downsampled.selection.weights
+    if kept is None:
+        return None
+    return {
+        "samples": len(downsampled.clip.channels[WEIGHTS].codes),
+        "kept_samples": len(kept.codes),
+        "tolerance": tolerance,
+        "largest_error": downsampled.weights_error,
+    }
+
+
 def _largest_rotation_error(downsampled: DownsampledClip) -> dict[str, Any]:
     errors = downsampled.errors
+    if not downsampled.clip.joints:
+        return {"joint": "", "degrees": 0.0, "time_code": float(downsampled.clip.codes[0])}
     frame, joint = np.unravel_index(np.argmax(errors.degrees), errors.degrees.shape)
     return {
         "joint": errors.joints[joint],
@@ -178,6 +204,8 @@ def _statistics(errors: Errors) -> dict[str, Any]:
 
 
 def _summary(values: Array) -> dict[str, float]:
+    if not values.size:
+        return {"mean": 0.0, "percentile_99": 0.0, "largest": 0.0}
     return {
         "mean": float(values.mean()),
         "percentile_99": float(np.percentile(values, 99.0)),
@@ -189,7 +217,7 @@ def draw(clips: Sequence[DownsampledClip], path: Path) -> None:
     """Draw the samples kept over the speed of the motion, a panel for each animation; see `report.kept_samples`."""
     from usd_tools.downsampling.plot import draw_kept
 
-    figure = draw_kept(clips)
+    figure = draw_kept([each for each in clips if each.clip.joints])
     with written_beside(path) as beside:
         # without a date, the same input makes the same bytes
         dates = {".png": "Creation Time", ".svg": "Date", ".pdf": "CreationDate"}

@@ -12,13 +12,13 @@ from geomstats_anim import rotations as quat
 from geomstats_anim.criteria import kind_shares, location_errors
 from geomstats_anim.markers import Markers, world_errors
 from geomstats_anim.rotations import Array
+from usd_tools.downsampling.weights import WEIGHTS
 from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.resampling import animation_of, resample, with_codes, without_cuts
 
 THINNED = ("rotations", "translations")
-"""Channels whose samples are chosen; scales and weights of blend shapes that change are kept whole, for nothing judges
-them."""
+"""Channels whose samples are chosen together; scales that change are kept whole, for nothing judges them."""
 
 
 def sampled_alike(clip: SkelClip) -> SkelClip:
@@ -48,14 +48,17 @@ class SampleSelection:
         Channels that are thinned together; none if neither rotations nor translations change.
     spans : tuple of slice
         Their stretches between value blocks, steps and cuts.
+    weights : Channel or None
+        Weights of blend shapes with the samples that stay, see `thinned_weights`.
     """
 
     clip: SkelClip
     names: tuple[str, ...]
     spans: tuple[slice, ...]
+    weights: Channel | None
 
     @classmethod
-    def of(cls, clip: SkelClip) -> SampleSelection:
+    def of(cls, clip: SkelClip, weights: Channel | None) -> SampleSelection:
         """Look at an aligned clip."""
         moving = [
             name
@@ -63,10 +66,10 @@ class SampleSelection:
             if name in clip.channels and clip.channels[name].is_animated and not clip.channels[name].is_constant
         ]
         if not moving:
-            return cls(clip, (), ())
+            return cls(clip, (), (), weights)
         first = clip.channels[moving[0]]
         names = tuple(name for name in moving if _same_samples(clip.channels[name], first))
-        return cls(clip, names, tuple(clip.spans(moving[0])))
+        return cls(clip, names, tuple(clip.spans(moving[0])), weights)
 
     @property
     def animations(self) -> list[Animation]:
@@ -76,8 +79,8 @@ class SampleSelection:
     @property
     def kept_whole(self) -> tuple[str, ...]:
         """Channels that change and are not thinned."""
-        channels = self.clip.channels
-        return tuple(name for name in channels if name not in self.names and not channels[name].is_constant)
+        channels, thinned = self.clip.channels, (*self.names, WEIGHTS)
+        return tuple(name for name in channels if name not in thinned and not channels[name].is_constant)
 
     def frames_at(self, codes: np.ndarray) -> list[np.ndarray]:
         """Find the frames of each stretch that are at some of the time codes."""
@@ -103,9 +106,11 @@ class SampleSelection:
                 for span, frames in zip(self.spans, keyframes, strict=True):
                     kept[span] = False
                     kept[span.start + frames] = True
-                channels[name] = _samples(channel, kept)
+                channels[name] = channel.at(kept)
+            elif name == WEIGHTS and self.weights is not None:
+                channels[name] = self.weights
             elif channel.is_constant:
-                channels[name] = _samples(channel, np.zeros(len(channel.codes), dtype=bool))
+                channels[name] = channel.at(np.zeros(len(channel.codes), dtype=bool))
             else:
                 channels[name] = channel
         if self.clip.is_animated and not any(len(channel.codes) for channel in channels.values()):
@@ -113,7 +118,7 @@ class SampleSelection:
             name, channel = next(item for item in self.clip.channels.items() if item[1].is_animated)
             kept = np.zeros(len(channel.codes), dtype=bool)
             kept[[0, -1]] = True
-            channels[name] = _samples(channel, kept)
+            channels[name] = channel.at(kept)
         return replace(self.clip, channels=channels, given_cuts=self.clip.cuts)
 
 
@@ -181,13 +186,9 @@ def _without_constant_samples(clip: SkelClip) -> SkelClip:
     constant = {name: channel for name, channel in clip.channels.items() if channel.is_constant}
     if not any(channel.is_animated for name, channel in clip.channels.items() if name not in constant):
         return clip
-    defaults = {name: _samples(channel, np.zeros(len(channel.codes), dtype=bool)) for name, channel in constant.items()}
+    defaults = {name: channel.at(np.zeros(len(channel.codes), dtype=bool)) for name, channel in constant.items()}
     return replace(clip, channels={**clip.channels, **defaults})
 
 
 def _same_samples(one: Channel, other: Channel) -> bool:
     return np.array_equal(one.codes, other.codes) and np.array_equal(one.blocked, other.blocked)
-
-
-def _samples(channel: Channel, kept: np.ndarray) -> Channel:
-    return replace(channel, codes=channel.codes[kept], values=channel.values[kept], blocked=channel.blocked[kept])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -117,6 +117,10 @@ class Channel:
     def is_constant(self) -> bool:
         """Return whether every sample is the same, bit for bit, and none is blocked."""
         return not self.blocked.any() and bool(self.holds.all())
+
+    def at(self, kept: np.ndarray) -> Channel:
+        """Return the channel with some of its samples: a mask or their indices."""
+        return replace(self, codes=self.codes[kept], values=self.values[kept], blocked=self.blocked[kept])
 
 
 def sampled_alike(channels: Mapping[str, Channel]) -> list[tuple[str, ...]]:

@@ -88,14 +88,15 @@ def test_learning_from_what_is_sparse(sparse, run, command):
 
 
 def test_animation_beside_a_sparse_one(tmp_path, run):
-    """A face that was kept whole, as only blend shapes move in it."""
+    """A face that was not chosen, and keeps its samples."""
     stage = make_rig(tmp_path / "in.usda", codes=range(30), rotations=random_rotations(30, 3))
     face = UsdSkel.Animation.Define(stage, "/Rig/Face")
     face.CreateBlendShapesAttr(["smile"])
     face.CreateBlendShapeWeightsAttr()
     set_samples(stage, "blendShapeWeights", [0, 9, 29], [[[0.0]], [[1.0]], [[0.0]]], "/Rig/Face")
     stage.Save()
-    assert run("downsample", tmp_path / "in.usda", "-o", tmp_path / "sparse.usda", *SLERP)[0] == 0
+    words = ["-o", tmp_path / "sparse.usda", *SLERP, "--prim", ANIMATION]
+    assert run("downsample", tmp_path / "in.usda", *words)[0] == 0
     codes, out, err = restored(run, tmp_path / "sparse.usda")
     assert codes == list(range(30)) and "/Rig/Face" not in out
     assert err == "warning: /Rig/Face does not store the time codes of its source; it is left unchanged.\n"
