@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from pxr import Sdf, Usd, UsdGeom, UsdSkel
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel
 from rigs import ANIMATION, JOINTS, SKELETON, bits, make_rig, random_rotations, read, set_samples, stored_metric
 
 from geomstats_anim import SCHEMES, LogStatus, interpolate
@@ -425,6 +425,16 @@ def test_units_that_make_no_sense(tmp_path, run, units):
         f"warning: {ANIMATION}: {units:g} metres is not a usable unit; using one metre per unit.\n",
     )
     assert len(read(tmp_path / "out.usda", "translations")[0]) == 7
+
+
+@pytest.mark.parametrize("verb", ["upsample", "downsample"])
+def test_a_skeleton_that_is_nowhere_in_the_world(tmp_path, run, verb):
+    stage = make_rig(tmp_path / "in.usda", codes=range(8), rotations=random_rotations(8, 3))
+    UsdGeom.Xformable(stage.GetPrimAtPath(SKELETON)).AddTranslateOp().Set(Gf.Vec3d(np.nan, 0, 0))
+    stage.Save()
+    how = {"upsample": ("--factor", 2), "downsample": ("--keys", 4)}[verb]
+    code, _, err = run(verb, tmp_path / "in.usda", "-o", tmp_path / "out.usda", *how)
+    assert code == 0 and "Traceback" not in err
 
 
 def test_report_of_a_retimed_file_agrees_with_the_file(tmp_path, run):

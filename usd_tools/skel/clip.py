@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from pxr import Usd, UsdGeom
+from pxr import Usd
 
 from geomstats_anim import Animation, Skeleton
 from geomstats_anim.names import repeated_name
@@ -18,7 +18,7 @@ from usd_tools.console.text import short_names
 from usd_tools.skel.channels import JOINT_CHANNELS, VALUE_CLIPS, Channel, read_channel, sampled_alike, step_pairs
 from usd_tools.skel.find import BINDING, AnimationSource, chosen_variants, find_binding
 from usd_tools.skel.joint_names import names_note, read_names
-from usd_tools.skel.skeleton import BoundSkeleton, read_skeleton, world_matrices
+from usd_tools.skel.skeleton import BoundSkeleton, metres_per_unit, read_skeleton, world_matrices
 from usd_tools.skel.source_codes import stored_source_codes
 
 
@@ -179,18 +179,18 @@ class SkelClip:
     @cached_property
     def _is_rigid(self) -> bool:
         """Return whether lengths in the world are those of `skeleton` at all times."""
-        units = UsdGeom.GetStageMetersPerUnit(self.source.stage)
-        if not self.source.rig or not (np.isfinite(units) and units > 0.0):  # one metre per unit is taken then
+        if not self.source.rig:
             return True
-        linear = world_matrices(self.source.rig[0], self.codes)[:, :3, :3] / self._file_scale
-        if not np.isfinite(linear).all():
+        matrices = world_matrices(self.source.rig[0], self.codes) / self._file_scale
+        if not np.isfinite(matrices).all():  # no place in the world: its own space is taken, which a note says
             return True
+        linear = matrices[:, :3, :3]
         return np.allclose(linear @ linear.transpose(0, 2, 1), np.eye(3), rtol=0.0, atol=1e-6)
 
     @property
     def _file_scale(self) -> float:
         """World units of the file per unit of the skeleton's space."""
-        return self.world_scale / UsdGeom.GetStageMetersPerUnit(self.source.stage)
+        return self.world_scale / metres_per_unit(self.source.stage)
 
     def _placements(self, codes: np.ndarray) -> np.ndarray | None:
         """Return where the skeleton is in the world, see `Animation`; None where that changes no length."""

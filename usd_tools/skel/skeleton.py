@@ -96,6 +96,12 @@ def read_skeleton(source: AnimationSource, joints: tuple[str, ...], channels: Ma
     return BoundSkeleton(source, skeleton, rest_scales, columns, has_rest, scale, tuple(notes))
 
 
+def metres_per_unit(stage: Usd.Stage) -> float:
+    """Return the length of a stage's unit; one metre where what it says is no length."""
+    units = UsdGeom.GetStageMetersPerUnit(stage)
+    return units if np.isfinite(units) and units > 0.0 else 1.0
+
+
 def world_matrices(skeleton: Usd.Prim, codes: np.ndarray) -> np.ndarray:
     """Read the matrices from a skeleton's space to the world, in units of the file.
 
@@ -127,8 +133,11 @@ def _world_scale(skeleton: Usd.Prim, codes: np.ndarray) -> float:
     A skeleton that is flat or nothing there is measured where it is largest.
     """
     first = codes[:1] if len(codes) else np.array([Usd.TimeCode.EarliestTime().GetValue()])
-    volume = abs(float(np.linalg.det(world_matrices(skeleton, first)[0, :3, :3])))
-    if volume > 0.0 or not np.isfinite(volume):
+    beginning = world_matrices(skeleton, first)[0, :3, :3]
+    if not np.isfinite(beginning).all():
+        return np.nan
+    volume = abs(float(np.linalg.det(beginning)))
+    if volume > 0.0:
         return float(np.cbrt(volume))
     linear = world_matrices(skeleton, codes if len(codes) else first)[:, :3, :3]
     if not np.isfinite(linear).all():
