@@ -94,7 +94,8 @@ def test_killed_at_any_moment(tmp_path, zygote, name, n_kills):
     assert killed
     # What is left behind is hidden, named after the file, and in the way of nobody.
     for path in set(tmp_path.iterdir()) - {source, out}:
-        assert path.is_dir() and path.name.startswith(f".{out.name}.")
+        # downsample reads what it has written where relative references lead to the same files: beside OUT
+        assert (path.is_dir() or name == "downsample") and path.name.startswith(f".{out.name}.")
 
 
 @pytest.mark.parametrize("name", some(["out.usda"], OUTS))

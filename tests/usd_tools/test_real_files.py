@@ -113,10 +113,9 @@ def test_downsample(tmp_path, name, run):
     out = tmp_path / f"out{source.suffix if source.suffix == '.usdc' else '.usda'}"
     code, text, err = run("downsample", source, "-o", out, *OPTIONS["downsample"])
     nowhere = TABLE[name].nowhere
-    assert (code, err) == (
-        0,
-        f"warning: {out} references files that cannot be found: {', '.join(nowhere)}.\n" if nowhere else "",
-    )
+    warnings = [warning for warning in TABLE[name].warnings if "SkelBindingAPI" in warning]
+    warnings += [f"{out} references files that cannot be found: {', '.join(nowhere)}."] if nowhere else []
+    assert (code, err) == (0, "".join(f"warning: {warning}\n" for warning in warnings))
     for count in TABLE[name].samples:
         assert f": {TABLE[name].kept or max(2, round(0.3 * count))} of {count} samples kept" in text
     stage = Usd.Stage.Open(str(source))
