@@ -46,8 +46,9 @@ def _validation(arguments):
     """Remember what is wrong with the inputs; give what tells, afterwards, the new errors of each output."""
     options = [word for word in ("-o", "--out") if word in arguments]
     out = Path(arguments[arguments.index(options[0]) + 1]) if options else None
-    inputs = [Path(word) for word in arguments if word.lower().endswith(USD) and Path(word).is_file()]
-    inputs = [path for path in inputs if path != out or "--in-place" in arguments]
+    named = [Path(word) for word in arguments if Path(word) != out or "--in-place" in arguments]
+    inputs = [path for folder in named if folder.is_dir() for path in sorted(folder.rglob("*"))]
+    inputs = [path for path in (*named, *inputs) if path.suffix.lower() in USD and path.is_file()]
     if "--in-place" in arguments:
         out = out or inputs[0]
     if out is None or "--dry-run" in arguments:

@@ -290,13 +290,15 @@ def test_inspect_tells_what_the_metric_means(tmp_path, clip, learned, run, inspe
 @pytest.mark.parametrize("name", CLIPS)
 @pytest.mark.parametrize("purpose", ["reconstruct", "predict"])
 def test_real_clips(tmp_path, learned, run, name, purpose):
-    _, err, report = learned(real_file(name), "-o", tmp_path / "out.usda", "--purpose", purpose)
+    # what halves of these short clips teach a spline is judged in learning/test_never_worse.py
+    scheme = ["--scheme", "geodesic"] if purpose == "predict" else []
+    _, err, report = learned(real_file(name), "-o", tmp_path / "out.usda", "--purpose", purpose, *scheme)
     assert err == ""
     scores = report["metrics"][0]["scores"]
     if purpose == "reconstruct":
         assert scores[0]["verdict"] in ("beats the plain spline", "beats slerp")
     else:
-        assert all(score["gain"] > -0.005 for score in scores)
+        assert all(score["score"] < 1.005 * score["slerp_score"] for score in scores)
     code, out, _ = run("upsample", tmp_path / "out.usda", "-o", tmp_path / "up.usda", "--factor", 2)
     assert code == 0 and "stored metric" in out
 
@@ -342,7 +344,7 @@ def test_tpe_searches(tmp_path, clip, learned, search, trials):
     told = ["--search", search, "--trials", trials]
     _, _, report = learned(clip, "-o", tmp_path / "out.usda", *told)
     provenance = stored_metric(tmp_path / "out.usda").provenance
-    assert provenance["search"] == search and provenance["score"] <= provenance["slerp_score"]
+    assert provenance["search"] == search and provenance["score"] <= provenance["plain_score"]
     if search == "tpe-joint":
         learned(clip, "-o", tmp_path / "a.usda", *told, "--folder", tmp_path / "runs")
         _, _, again = learned(clip, "-o", tmp_path / "b.usda", *told, "--resume", tmp_path / "runs")

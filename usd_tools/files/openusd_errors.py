@@ -74,14 +74,21 @@ def reading(path: Path) -> Iterator[None]:
         raise ToolError(f"{path} cannot be read as USD: it has names that are not UTF-8.") from error
 
 
+_listening: list[tuple[UsdUtils.CoalescingDiagnosticDelegate, list[str]]] = []
+"""Every `usd_warnings` around the code that runs now, and what it has taken so far: all of them hear everything."""
+
+
 @contextmanager
 def usd_warnings(messages: Messages) -> Iterator[None]:
     """Collect what OpenUSD would print on stderr as warnings."""
-    delegate = UsdUtils.CoalescingDiagnosticDelegate()
+    listener = (UsdUtils.CoalescingDiagnosticDelegate(), list[str]())
+    _listening.append(listener)
     try:
         yield
     finally:
-        for line in map(_one_line, delegate.TakeUncoalescedDiagnostics()):
+        _listening.remove(listener)
+        _take(listener)
+        for line in listener[1]:
             if not _PACKED.match(line):
                 messages.warn(line)
 
@@ -90,7 +97,15 @@ def usd_warnings(messages: Messages) -> Iterator[None]:
 def usd_unheard() -> Iterator[None]:
     """Keep OpenUSD from printing what is reported in another way, or has been already."""
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
+    for listener in _listening:
+        _take(listener)
     try:
         yield
     finally:
-        delegate.TakeUncoalescedDiagnostics()
+        for silenced in (delegate, *(one for one, _ in _listening)):
+            silenced.TakeUncoalescedDiagnostics()
+
+
+def _take(listener: tuple[UsdUtils.CoalescingDiagnosticDelegate, list[str]]) -> None:
+    delegate, lines = listener
+    lines += map(_one_line, delegate.TakeUncoalescedDiagnostics())
