@@ -1,4 +1,4 @@
-"""Where the real files are: two clips beside the tests, the others beside the repository, where they are."""
+"""Find the real files: two clips beside the tests, the others beside the repository, if they are there."""
 
 from pathlib import Path
 

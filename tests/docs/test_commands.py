@@ -1,4 +1,4 @@
-"""What README.md and the documentation tell people to type is what the programs take."""
+"""Commands in README.md and the documentation are accepted by the programs."""
 
 import pytest
 from commands import PAGES, blocks, calls, parser_of

@@ -23,7 +23,7 @@ _FULL_JOINTS = re.compile(r"\bhips/spine\b")
 """Of the rigs of these tests, whose last parts are enough."""
 
 _QUOTED = re.compile(r"@[^@]*@|<[^>]*>|'[^']*'|(?:\.{0,2}/)?[\w.\-+~]*/[^\s,;:()]*")
-"""What sentences quote: files, prims, values."""
+"""The quoted parts of sentences: files, prims, values."""
 
 
 def broken_rules(printed):

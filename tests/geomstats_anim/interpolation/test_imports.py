@@ -1,4 +1,4 @@
-"""What is imported before it is needed."""
+"""Imports that are made before they are needed."""
 
 import subprocess
 import sys

@@ -82,7 +82,7 @@ def test_there_are_three_orders(order):
 
 
 def jumps(curve, order):
-    """How far rates are apart on both sides of the inner keys."""
+    """Return the distance of rates on both sides of the inner keys."""
     keys, step = curve.animation.times[1:-1], 1e-9
     return np.abs(curve(keys, order) - curve(keys - step, order)).max()
 

@@ -1,4 +1,4 @@
-"""How a command ends: an exit code, and a sentence at most."""
+"""Exit codes of commands, and a sentence at most."""
 
 import os
 import signal

@@ -1,4 +1,4 @@
-"""What every verb prints in a real terminal of 80 columns: nothing wider, and no word lost or broken."""
+"""Every verb prints to a real terminal of 80 columns: nothing wider, and no word lost or broken."""
 
 import fcntl
 import json
@@ -77,7 +77,7 @@ def in_a_terminal(command, folder):
     scope="module", params=["clips/punching.usda", pytest.param("clips/sitting.usda", marks=pytest.mark.slow)]
 )
 def shown(request, tmp_path_factory):
-    """What every verb shows, once in a terminal and once in a file."""
+    """Return the output of every verb, once in a terminal and once in a file."""
     folder = tmp_path_factory.mktemp("terminal")
     calls = {name: [word.format(clip=real_file(request.param)) for word in words] for name, words in CALLS.items()}
     text = in_a_terminal([sys.executable, "-c", RUNNER, json.dumps(calls)], folder)
