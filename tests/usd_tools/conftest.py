@@ -1,6 +1,7 @@
 """Commands called in process; what one prints keeps the house rules, and every USD file that it writes is validated."""
 
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -47,8 +48,9 @@ def _validation(arguments):
     options = [word for word in ("-o", "--out") if word in arguments]
     out = Path(arguments[arguments.index(options[0]) + 1]) if options else None
     named = [Path(word) for word in arguments if Path(word) != out or "--in-place" in arguments]
-    inputs = [path for folder in named if folder.is_dir() for path in sorted(folder.rglob("*"))]
-    inputs = [path for path in (*named, *inputs) if path.suffix.lower() in USD and path.is_file()]
+    # os.path, since a word that is no path (a number of 400 digits) is an error for pathlib on some file systems
+    inputs = [path for folder in named if os.path.isdir(folder) for path in sorted(folder.rglob("*"))]
+    inputs = [path for path in (*named, *inputs) if path.suffix.lower() in USD and os.path.isfile(path)]
     if "--in-place" in arguments:
         out = out or inputs[0]
     if out is None or "--dry-run" in arguments:
