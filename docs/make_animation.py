@@ -20,15 +20,15 @@ from PIL import Image
 from scipy.ndimage import gaussian_filter1d
 
 from geomstats_anim import Animation, compress, interpolate, uniform_keyframes
+from usd_tools.example_clips.biped import INDEX
+from usd_tools.example_clips.body import build_skin
+from usd_tools.example_clips.posing import RATE
 from usd_tools.figures.style import FAINT, INK, TRUTH, look
 
 _HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(_HERE.parent / "examples"))
-from biped import INDEX  # noqa: E402
-from body import build_skin  # noqa: E402
 from draw_upsampling import bone_ends, paint, pose, view  # noqa: E402
 from make_figures import clip  # noqa: E402
-from posing import RATE  # noqa: E402
 
 _WIDTH, _HEIGHT, _SCALE = 960, 430, 140.0  # pixels; pixels per metre
 _PAPER, _VIEW, _TRAIL = "#fafafa", (-12.0, 7.0), 10  # degrees to turn and to tilt; frames

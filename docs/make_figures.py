@@ -27,13 +27,12 @@ from geomstats_anim import (
 )
 from geomstats_anim.interpolation.tangents import hermite
 from geomstats_anim.rotations import Array, distance
+from usd_tools.example_clips.biped import INDEX, OFFSETS, PARENTS, joint_paths
+from usd_tools.example_clips.motions import MOTIONS
+from usd_tools.example_clips.posing import RATE
 from usd_tools.figures.style import FAINT, INK, TRUTH, look
 
 _HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(_HERE.parent / "examples"))
-from biped import INDEX, OFFSETS, PARENTS, joint_paths  # noqa: E402
-from motions import MOTIONS  # noqa: E402
-from posing import RATE  # noqa: E402
 
 _STYLE = {
     "font.size": 11.0,

@@ -10,14 +10,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from biped import INDEX, NAMES, forward_kinematics, joint_paths
-from body import Skin, deform
 from pxr import UsdGeom, UsdSkel
 from scipy.ndimage import gaussian_filter
 
 from geomstats_anim import Animation, interpolate, learn_metric, uniform_keyframes
 from geomstats_anim.rotations import distance
 from usd_tools.console.errors import ToolError
+from usd_tools.example_clips.biped import INDEX, NAMES, forward_kinematics, joint_paths
+from usd_tools.example_clips.body import Skin, deform
 from usd_tools.files.paths import check_output
 from usd_tools.files.stages import open_stage
 from usd_tools.skel.clip import read_clip

@@ -8,11 +8,12 @@ from types import SimpleNamespace
 import make_clips
 import numpy as np
 import pytest
-from biped import INDEX
-from body import build_skin
-from posing import GRAVITY, RATE
 from pxr import Usd, UsdGeom, UsdSkel, UsdValidation
 from scipy.spatial.transform import Rotation
+
+from usd_tools.example_clips.biped import INDEX
+from usd_tools.example_clips.body import build_skin
+from usd_tools.example_clips.posing import GRAVITY, RATE
 
 NAMES = ["pitching", "rolling", "punching", "jumping", "sitting"]
 PLANTED = ["pitching", "punching", "jumping", "sitting"]

@@ -3,12 +3,27 @@
 from __future__ import annotations
 
 from functools import reduce
+from typing import NamedTuple
 
 import numpy as np
 from pxr import Usd, UsdGeom, UsdSkel
 
 from geomstats_anim.markers import Markers
 from usd_tools.skel.clip import SkelClip
+
+
+class SkinnedMesh(NamedTuple):
+    """Mesh, or other points, that a skeleton deforms.
+
+    Attributes
+    ----------
+    prim : Usd.Prim
+    markers : Markers
+        Its points.
+    """
+
+    prim: Usd.Prim
+    markers: Markers
 
 
 def skin_markers(clip: SkelClip) -> Markers:
@@ -23,11 +38,24 @@ def skin_markers(clip: SkelClip) -> Markers:
     markers : Markers
         None where there is no skeleton, or it deforms no mesh.
     """
-    parts = [] if not clip.source.rig else _skinned(clip)
+    parts = [mesh.markers for mesh in skinned_meshes(clip)]
     return reduce(Markers.joined, parts) if parts else Markers.none()
 
 
-def _skinned(clip: SkelClip) -> list[Markers]:
+def skinned_meshes(clip: SkelClip) -> list[SkinnedMesh]:
+    """Find what is bound to a clip's skeleton and has points.
+
+    Parameters
+    ----------
+    clip : SkelClip
+
+    Returns
+    -------
+    meshes : list of SkinnedMesh
+        Empty where there is no skeleton, or it deforms nothing.
+    """
+    if not clip.source.rig:
+        return []
     skeleton = clip.source.rig[0]
     root = UsdSkel.Root.Find(skeleton)
     if not root:
@@ -54,8 +82,9 @@ def _skinned(clip: SkelClip) -> list[Markers]:
         joints = list(target.GetJointOrder() or order)
         if set(joints) <= set(order) and target.GetPrim().IsA(UsdGeom.PointBased):
             columns = np.array([place[joint] for joint in joints])
-            found.append(_marked(target, columns, np.array([inverse[joint] for joint in joints]), clip.world_scale))
-    return [markers for markers in found if markers.n_markers]
+            inverse_bind = np.array([inverse[joint] for joint in joints])
+            found.append(SkinnedMesh(target.GetPrim(), _marked(target, columns, inverse_bind, clip.world_scale)))
+    return [mesh for mesh in found if mesh.markers.n_markers]
 
 
 def _marked(target: UsdSkel.SkinningQuery, columns: np.ndarray, inverse_bind: np.ndarray, scale: float) -> Markers:

@@ -7,69 +7,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from pxr import Usd, UsdGeom
 
-from geomstats_anim import Animation, LearnedMetric, Skeleton
+from geomstats_anim import Animation, LearnedMetric
 from geomstats_anim.kinematics import place, world_pose
 from geomstats_anim.markers import Markers, world_errors
+from usd_tools.characters.bones import Bones
+from usd_tools.characters.placement import upright
 from usd_tools.comparison.options import SchemeChoice
 from usd_tools.comparison.results import ComparedClip
 from usd_tools.comparison.trials import Rebuilt, TrialResult, rebuild
-from usd_tools.skel.clip import SkelClip
-
-
-@dataclass(frozen=True)
-class Bones:
-    """Lines of a skeleton between points: the origins of its joints, then the ends of those without children.
-
-    A root that holds nothing but a joint with several children is a handle on the floor, and has no bone.
-
-    Parameters
-    ----------
-    lines : array-like of int, shape=[L, 2]
-        Points at both ends.
-    owners : array-like of int, shape=[L]
-        Joint that each line turns with.
-    leaves : array-like of int, shape=[E]
-        Joints without children.
-    """
-
-    lines: np.ndarray
-    owners: np.ndarray
-    leaves: np.ndarray
-
-    @property
-    def drawn(self) -> np.ndarray:
-        """Points that lines lead to."""
-        return np.unique(self.lines)
-
-    @classmethod
-    def of(cls, skeleton: Skeleton) -> Bones:
-        """Find the bones of a skeleton."""
-        parents, n_joints = skeleton.parents, skeleton.n_joints
-        children = np.flatnonzero(parents >= 0)
-        leaves = np.setdiff1d(np.arange(n_joints), parents)
-        leaves = leaves[np.linalg.norm(skeleton.bone_ends[leaves], axis=-1) > 0.0]
-        n_children = np.bincount(parents[children], minlength=n_joints)
-        above = parents[children]
-        is_handle = (parents[above] < 0) & (n_children[above] == 1) & (n_children[children] > 1)
-        children = children[~is_handle]
-        inner = np.stack([parents[children], children], axis=-1)
-        outer = np.stack([leaves, n_joints + np.arange(len(leaves))], axis=-1)
-        return cls(np.concatenate([inner, outer]), np.concatenate([parents[children], leaves]), leaves)
-
-
-def upright(clip: SkelClip) -> np.ndarray:
-    """Rotation from a skeleton's space to a world in which z is up, shape=[3, 3], for row vectors."""
-    source = clip.source
-    turn = np.eye(3)
-    if source.skeletons:
-        imageable = UsdGeom.Imageable(source.skeletons[0])
-        matrix = imageable.ComputeLocalToWorldTransform(Usd.TimeCode.EarliestTime())
-        turn = np.array(matrix.RemoveScaleShear().ExtractRotationMatrix())
-    if UsdGeom.GetStageUpAxis(source.stage) == UsdGeom.Tokens.y:
-        turn = turn @ np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
-    return turn
 
 
 @dataclass(frozen=True, eq=False)

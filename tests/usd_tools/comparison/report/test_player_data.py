@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from rigs import make_rig, random_rotations
 
+from usd_tools.characters.bones import Bones
+from usd_tools.characters.placement import upright
 from usd_tools.comparison.options import SchemeChoice
 from usd_tools.comparison.report import player_data as player
-from usd_tools.comparison.report.scenes import Bones, flattened, scenes, upright
+from usd_tools.comparison.report.scenes import flattened, scenes
 from usd_tools.comparison.results import named
 from usd_tools.comparison.trials import all_trials, measure
 from usd_tools.learning.clips import training_clip

@@ -11,10 +11,11 @@ import itertools
 from dataclasses import dataclass, replace
 
 import numpy as np
-from biped import INDEX, NAMES, OFFSETS, forward_kinematics
 from numpy.typing import ArrayLike
 from scipy.interpolate import BPoly, PchipInterpolator
 from scipy.spatial.transform import Rotation
+
+from usd_tools.example_clips.biped import INDEX, NAMES, OFFSETS, forward_kinematics
 
 Vector = tuple[float, float, float]
 

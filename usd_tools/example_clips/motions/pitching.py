@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from posing import Arm, Foot, Motion, Pose, animate
+from usd_tools.example_clips.posing import Arm, Foot, Motion, Pose, animate
 
 
 def pitching() -> Motion:

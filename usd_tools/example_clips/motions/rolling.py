@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from contact import roll_on_ground
-from posing import Arm, Foot, Motion, Pose, Vector, animate
+from usd_tools.example_clips.contact import roll_on_ground
+from usd_tools.example_clips.posing import Arm, Foot, Motion, Pose, Vector, animate
 
 _LOOSE = Arm()
 

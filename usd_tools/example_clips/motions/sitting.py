@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from posing import Arm, Foot, Motion, Pose, animate
+
+from usd_tools.example_clips.posing import Arm, Foot, Motion, Pose, animate
 
 _SEAT = 0.6  # metres: the height of the box
 _FRONT = -0.12  # metres along z: where the box begins, behind the hollow of the knees

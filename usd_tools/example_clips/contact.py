@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from biped import forward_kinematics
-from body import build_skin, deform
 from scipy.ndimage import gaussian_filter1d
 from scipy.special import softmax
+
+from usd_tools.example_clips.biped import forward_kinematics
+from usd_tools.example_clips.body import build_skin, deform
 
 _SOFTNESS = 0.01  # metres: skin this much higher than the lowest bears a third of its load
 _YIELD = 1.0  # samples: flesh gives way, so contact is no shock

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from biped import INDEX, NAMES, PARENTS, rest_positions
+
+from usd_tools.example_clips.biped import INDEX, NAMES, PARENTS, rest_positions
 
 _CELL = 0.026  # metres: the size of a quad
 _BLEND = 0.01  # metres: how far two cones flow into each other
