@@ -141,6 +141,18 @@ class MetricParameters:
             )
         return cls(moments[:, 1] / moments[:, 0], moments[:, 2] / moments[:, 0], axes, tuple(np.atleast_1d(invariance)))
 
+    def __str__(self) -> str:
+        """Say how many joints there are, on which side, the range of alpha and beta, and whether axes are turned."""
+        n_right = int(self.is_right.sum())
+        sides = {0: "left", self.n_joints: "right"}.get(n_right, f"{self.n_joints - n_right} left, {n_right} right")
+        words = [f"{self.n_joints} joint{'s' * (self.n_joints != 1)}", sides]
+        for name, values in (("alpha", self.alpha), ("beta", self.beta)):
+            low, high = f"{values.min(initial=np.inf):.3g}", f"{values.max(initial=0.0):.3g}"
+            words.append(f"{name} {low}" if low == high else f"{name} {low} to {high}")
+        if self.axes is not None:
+            words.append("turned axes")
+        return ", ".join(words)
+
     @property
     def n_joints(self) -> int:
         """Return the number of joints, B."""

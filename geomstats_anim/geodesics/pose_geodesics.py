@@ -40,9 +40,8 @@ class LogStatus(IntEnum):
     STALLED = boundary_value.STALLED
     MAX_ITERATIONS = boundary_value.MAX_ITERATIONS
 
-    @property
-    def sentence(self) -> str:
-        """Return what it means, and what to do."""
+    def __str__(self) -> str:
+        """Say what it means, and what to do."""
         return _SENTENCES[self]
 
 

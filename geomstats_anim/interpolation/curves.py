@@ -42,9 +42,7 @@ class Fallback:
 
     def __str__(self) -> str:
         """Name the segment and the reason in one sentence."""
-        return (
-            f"Joint {self.joint!r} from {self.start_time:g} s to {self.end_time:g} s is slerped: {self.status.sentence}"
-        )
+        return f"Joint {self.joint!r} from {self.start_time:g} s to {self.end_time:g} s is slerped: {self.status}"
 
 
 class Curve(ABC):

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import geomstats.backend as gs
 import numpy as np
 from geomstats.errors import check_integer
 from geomstats.geometry.riemannian_metric import RiemannianMetric
@@ -68,6 +69,53 @@ class CompiledMetric(RiemannianMetric):
         product = 2.0 * np.einsum("...bi,...bi->...", velocity_a, momentum_b)
         return self._arrays.write(product, product.shape)
 
+    def coordinates(self, tangent_vec: Any, base_point: Any = None) -> Any:
+        """See tangent vectors in the orthonormal frame of the metric, in which inner products are sums of products.
+
+        The frame is along the principal axes of each bone, and moved around by the translations that are isometries.
+
+        Parameters
+        ----------
+        tangent_vec : array-like, shape=[..., *space.shape]
+            Tangent vector at base_point; what of it is not tangent is projected away.
+        base_point : array-like, shape=[..., *space.shape]
+            Optional, default: identity.
+
+        Returns
+        -------
+        coordinates : array-like, shape=[..., dim]
+        """
+        base = self._arrays.read_points(base_point, "base_point")
+        velocity = self._arrays.read_velocities(tangent_vec, base, "tangent_vec")
+        values = self._roots * self.parameters.along_axes(velocity)
+        return self._arrays.write(values, (*values.shape[:-2], self._space.dim))
+
+    def from_coordinates(self, coordinates: Any, base_point: Any = None) -> Any:
+        """Undo `coordinates`.
+
+        Parameters
+        ----------
+        coordinates : array-like, shape=[..., dim]
+        base_point : array-like, shape=[..., *space.shape]
+            Optional, default: identity.
+
+        Returns
+        -------
+        tangent_vec : array-like, shape=[..., *space.shape]
+            Tangent vector at base_point.
+        """
+        base = self._arrays.read_points(base_point, "base_point")
+        values = mat.read(coordinates, (self._space.dim,), "coordinates")
+        values = values.reshape(*values.shape[:-1], self.parameters.n_joints, 3)
+        batch = np.broadcast_shapes(values.shape[:-2], base.shape[:-2])
+        velocity = self.parameters.from_axes(values / self._roots)
+        return self._arrays.write_tangent_vecs(mat.flat(velocity, batch, 2), mat.flat(base, batch, 2), batch)
+
+    @property
+    def _roots(self) -> Array:
+        """Return the lengths of the principal axes' unit velocities, shape=[B, 3]."""
+        return np.sqrt(2.0 * self._scale[:, None] * self.parameters.moments)
+
     def exp(self, tangent_vec: Any, base_point: Any = None) -> Any:
         """Compute the Riemannian exponential of a tangent vector at a base point.
 
@@ -104,6 +152,25 @@ class CompiledMetric(RiemannianMetric):
             If no geodesic was found for an element; `log_solver.solve` returns every status instead.
         """
         return self.log_solver.log(point, base_point)
+
+    def dist_pairwise(self, points: Any, n_jobs: int = 1, **joblib_kwargs: Any) -> Any:
+        """Compute the distances between all pairs of points, in one call.
+
+        Parameters
+        ----------
+        points : array-like, shape=[n_samples, *space.shape]
+        n_jobs : int
+            Ignored, as are the arguments of joblib: the call is compiled, and takes threads by itself.
+            Optional, default: 1.
+
+        Returns
+        -------
+        dist : array-like, shape=[n_samples, n_samples]
+        """
+        rows, columns = np.triu_indices(len(points), k=1)
+        dist = np.zeros((len(points), len(points)))
+        dist[rows, columns] = dist[columns, rows] = gs.to_numpy(self.dist(points[rows], points[columns]))
+        return self._arrays.write(dist, dist.shape)
 
     def parallel_transport(
         self,

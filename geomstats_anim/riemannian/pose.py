@@ -46,6 +46,11 @@ class PoseSpace(NFoldManifold):
         check_integer(n_bones, "n_bones")
         super().__init__(SpecialOrthogonal(3, equip=False), n_bones, equip=equip)
 
+    def __repr__(self) -> str:
+        """Return the call that makes the space, and its metric."""
+        metric = f" with {self.metric!r}" if hasattr(self, "metric") else ""
+        return f"PoseSpace({self.n_bones}){metric}"
+
     @property
     def n_bones(self) -> int:
         """Return the number of bones, B."""
@@ -231,3 +236,7 @@ class PoseMetric(CompiledMetric):
         self._matrices = parameters.matrices
         self._scale = np.ones(space.n_bones)
         self._instantiate_solvers()
+
+    def __repr__(self) -> str:
+        """Say how many joints there are, on which side, and the range of alpha and beta."""
+        return f"PoseMetric({self.parameters})"

@@ -69,6 +69,11 @@ class SO3InvariantMetric(CompiledMetric, _InvariantMetricMatrix):
         self._scale = np.trace(self._matrices, axis1=1, axis2=2) / self.parameters.moments.sum(axis=-1)
         super().__init__(space, gs.from_numpy(self._matrices[0]), bool(left))
 
+    def __repr__(self) -> str:
+        """Say the side and the matrix."""
+        rows = np.array2string(self._matrices[0], precision=4, separator=", ").replace("\n", "")
+        return f"SO3InvariantMetric({self.parameters.invariance[0]}, {rows})"
+
     def __mul__(self, scalar: float) -> SO3InvariantMetric:
         """Multiply the inner product by a positive number, and distances by its square root."""
         if not isinstance(scalar, float):

@@ -213,5 +213,5 @@ def _raise_failures(status: np.ndarray, shape: tuple[int, ...]) -> None:
     failures = np.argwhere(status.reshape(shape) != CONVERGED)
     names = ", ".join(mat.at("", index) for index in failures[:_NAMED_FAILURES]) if shape else "the pair"
     more = f" and {len(failures) - _NAMED_FAILURES} more" if len(failures) > _NAMED_FAILURES else ""
-    sentences = " ".join(LogStatus(code).sentence for code in np.unique(status) if code != CONVERGED)
+    sentences = " ".join(str(LogStatus(code)) for code in np.unique(status) if code != CONVERGED)
     raise RuntimeError(f"The logarithm failed for {names}{more}. {sentences} log_solver.solve returns every status.")

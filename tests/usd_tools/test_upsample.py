@@ -393,7 +393,7 @@ def test_fallbacks_are_named(tmp_path, run, monkeypatch):
     code, _, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "o.usda", *arguments)
     assert code == 0
     assert err == (
-        f"warning: {ANIMATION}: joint arm uses slerp from time code 10 to 11, 12 to 13. {LogStatus.STALLED.sentence}\n"
+        f"warning: {ANIMATION}: joint arm uses slerp from time code 10 to 11, 12 to 13. {LogStatus.STALLED}\n"
     )
     told = json.loads(report.read_text())
     fallbacks = told["animations"][0]["fallbacks"]

@@ -107,7 +107,7 @@ def _fallback_sentences(clip: SkelClip, fallbacks: Sequence[Fallback], stretch: 
     segments: dict[tuple[str, str], list[str]] = {}
     for fallback in fallbacks:
         start, end = (time * clip.codes_per_second * stretch for time in (fallback.start_time, fallback.end_time))
-        segments.setdefault((fallback.joint, fallback.status.sentence), []).append(f"{start:g} to {end:g}")
+        segments.setdefault((fallback.joint, str(fallback.status)), []).append(f"{start:g} to {end:g}")
     return [
         f"{clip.path}: joint {names[joint]} uses slerp from time code {', '.join(where)}. {reason}"
         for (joint, reason), where in segments.items()
@@ -199,7 +199,7 @@ def describe(upsampled: UpsampledClip, stretch: float = 1.0) -> UpsampledAnimati
                 "start": fallback.start_time * clip.codes_per_second * stretch,
                 "end": fallback.end_time * clip.codes_per_second * stretch,
                 "status": fallback.status.name,
-                "sentence": fallback.status.sentence,
+                "sentence": str(fallback.status),
             }
             for fallback in upsampled.result.fallbacks
         ),

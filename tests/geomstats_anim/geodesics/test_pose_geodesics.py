@@ -271,4 +271,4 @@ def test_where_none_is_found_it_is_the_bi_invariant_one(monkeypatch):
 
 def test_every_status_has_a_sentence():
     for status in LogStatus:
-        assert status.sentence[0].isupper() and status.sentence.endswith(".")
+        assert str(status)[0].isupper() and str(status).endswith(".")
