@@ -13,6 +13,7 @@ VERBS = {
     "inspect": "show the skeletal animation of a file, and warn of what may go wrong",
     "from_bvh": "convert motion capture in BVH to UsdSkel",
     "upsample": "add samples, along geodesics of a metric",
+    "resample": "exactly F samples per second, on whole frames",
     "downsample": "keep few samples, and the metric that rebuilds the others",
     "learn": "learn the metric that rebuilds or predicts animation best",
     "compare": "compare interpolation schemes, and write a report",

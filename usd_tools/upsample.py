@@ -12,13 +12,13 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from geomstats_anim.names import DEFAULT_SCHEME, INVARIANCES, SCHEME_NAMES
-from usd_tools.console.arguments import add_output, add_prim, positive_number, time_codes, whole_number
+from usd_tools.console.arguments import add_output, add_prim, time_codes, whole_number
 from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.progress import ProgressBar, ProgressCallback
 from usd_tools.skel.frame_rates import typed_rate
-from usd_tools.upsampling.joint_styles import Style, parse_style, tension_number
+from usd_tools.upsampling.arguments import add_cuts, add_metric
+from usd_tools.upsampling.joint_styles import Style
 from usd_tools.upsampling.options import UpsampleOptions
 from usd_tools.upsampling.result import UpsampledAnimation, UpsampleResult
 
@@ -153,7 +153,8 @@ def parser(prog: str = PROG) -> ArgumentParser:
     parse.add_argument("input", metavar="IN", type=Path, help="USD file")
     parse.add_argument("-o", "--out", metavar="OUT", type=Path, help="USD file to write; .usdz packs the source too")
     _add_times(parse)
-    _add_metric(parse)
+    add_cuts(parse)
+    add_metric(parse)
     add_prim(parse)
     add_output(parse)
     parse.add_argument("--dry-run", action="store_true", help="compute, but write no OUT")
@@ -174,59 +175,11 @@ def _add_times(parse: argparse.ArgumentParser) -> None:
         "which restores the samples that usd_tools.downsample removed; write '--times=-7.5,-3' if the first "
         "number is negative",
     )
-    cuts = parse.add_mutually_exclusive_group()
-    cuts.add_argument(
-        "--cut",
-        metavar="T",
-        type=time_codes,
-        help="hold the pose across the gaps between samples in which these time codes are, or which end there; "
-        "default: the gaps across which it jumps far more than before and after",
-    )
-    cuts.add_argument("--no-cuts", action="store_true", help="lead the motion through every jump")
-    parse.add_argument(
-        "--no-xforms", action="store_true", help="leave the transforms that move a character as a whole as they are"
-    )
     parse.add_argument(
         "--retime",
         action="store_true",
         help="with --fps: set the stage to F time codes per second, so that the new samples are whole frames; the "
         "motion keeps its speed",
-    )
-
-
-def _add_metric(parse: argparse.ArgumentParser) -> None:
-    parse.add_argument(
-        "--scheme",
-        choices=SCHEME_NAMES,
-        help=f"interpolation; default: the scheme that the metric was learned for, else {DEFAULT_SCHEME}",
-    )
-    parse.add_argument(
-        "--metric",
-        metavar="M",
-        help="stored, identity, a JSON file, or learn: fit on every other sample; kept only where cross-validation "
-        "shows it beats slerp; default: stored if the file stores one, else identity",
-    )
-    parse.add_argument("--alpha", metavar="A", type=positive_number, help="second principal moment, for all joints")
-    parse.add_argument("--beta", metavar="B", type=positive_number, help="third principal moment, for all joints")
-    parse.add_argument("--invariance", choices=INVARIANCES, help="side of the metric, for all joints")
-    parse.add_argument(
-        "--tension",
-        metavar="T",
-        type=tension_number,
-        help="of geodesic-spline, for the turns of all joints: 0 as geodesic, 1 continuous velocity, 2 continuous "
-        "acceleration",
-    )
-    parse.add_argument(
-        "--translation-tension", metavar="T", type=tension_number, help="the same for the translations of all joints"
-    )
-    parse.add_argument(
-        "--joint",
-        metavar="STYLE",
-        type=parse_style,
-        action="append",
-        default=[],
-        help="set values for joints whose name matches: 'PATTERN:alpha=4,beta=.5,invariance=right,tension=0', also "
-        "translation-tension, and axes=X Y Z: their rotation vector in degrees; repeatable, the last wins",
     )
 
 

@@ -290,7 +290,10 @@ def test_times_from_a_file_and_snapping(tmp_path, run):
 def test_fewer_frames_than_the_source_only_add(tmp_path, run):
     make_rig(tmp_path / "in.usda")
     _, _, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--fps", 12)
-    assert err == f"warning: {ANIMATION} has 24 samples per second, more than --fps 12; upsample only adds samples.\n"
+    assert err == (
+        f"warning: {ANIMATION} has 24 samples per second, more than --fps 12; upsample only adds samples; "
+        "usd_tools.resample --fps keeps exactly that rate.\n"
+    )
     assert read(tmp_path / "out.usda")[0] == [0, 1, 2, 3]
 
 

@@ -180,6 +180,11 @@ def write_source_codes(spec: Sdf.PrimSpec, codes: np.ndarray, cuts: np.ndarray |
         _attribute(spec, SOURCE_CUTS, Sdf.ValueTypeNames.Int2Array).default = pairs
 
 
+def hide_source_codes(spec: Sdf.PrimSpec) -> None:
+    """Block what weaker layers store of the source of a sparse SkelAnimation."""
+    _attribute(spec, SOURCE_CODES, Sdf.ValueTypeNames.DoubleArray).default = Sdf.ValueBlock()
+
+
 def read_source_codes(prim: Usd.Prim) -> np.ndarray | None:
     """Read the time codes at which the source of a sparse SkelAnimation had samples; None if it is not sparse.
 

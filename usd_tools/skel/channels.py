@@ -145,10 +145,16 @@ def write_values(
     spec.ClearInfo("timeSamples")
     layer, path, codes = spec.layer, spec.path, channel.codes.tolist()
     if offset is not None and not offset.IsIdentity():
-        codes = [offset * code for code in codes]
+        codes = [_whole(offset * code) for code in codes]
     with Sdf.ChangeBlock():
         for code, value, is_blocked in zip(codes, values, channel.blocked, strict=True):
             layer.SetTimeSample(path, code, block if is_blocked else value)
+
+
+def _whole(code: float) -> float:
+    """Return a time code without the rounding error that an offset leaves of a whole one."""
+    nearest = round(code)
+    return float(nearest) if abs(code - nearest) <= 1e-12 * max(1.0, abs(code)) else code
 
 
 def read_channel(prim: Usd.Prim, name: str, size: int) -> Channel | None:

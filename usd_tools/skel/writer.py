@@ -19,7 +19,14 @@ from usd_tools.files.openusd_gaps import flatten_stage, modify_asset_paths
 from usd_tools.files.packages import pack, unpack
 from usd_tools.files.paths import extension, relative_asset_path
 from usd_tools.files.stages import export_layer
-from usd_tools.metrics.attributes import NAMESPACE, write_metric, write_source_codes, write_summary
+from usd_tools.metrics.attributes import (
+    NAMESPACE,
+    SOURCE_CODES,
+    hide_source_codes,
+    write_metric,
+    write_source_codes,
+    write_summary,
+)
 from usd_tools.skel.channels import CHANNELS, Channel, write_samples, write_values
 from usd_tools.skel.find import AnimationSource
 from usd_tools.skel.instancing import editable_paths
@@ -75,6 +82,7 @@ class AnimationLayer:
         messages: Messages,
         source_codes: np.ndarray | None = None,
         source_cuts: np.ndarray | None = None,
+        keeps_samples: bool = True,
     ) -> None:
         """Write the samples of an animation, all of them: one sample here hides every sample below.
 
@@ -94,6 +102,9 @@ class AnimationLayer:
         source_cuts : array-like, shape=[C, 2]
             Likewise: time codes of the samples before and after each cut.
             Optional, default: there is none.
+        keeps_samples : bool
+            Whether the samples of `source` are among these; if not, what it stores of a source of its own is hidden.
+            Optional, default: True.
         """
         for path in editable_paths(self, source, messages):
             spec = self.prim(path)
@@ -108,6 +119,8 @@ class AnimationLayer:
                 write_metric(spec, metric, hide_axes=bool(axes) and axes.HasAuthoredValue())
             if source_codes is not None:
                 write_source_codes(spec, source_codes, source_cuts)
+            elif not keeps_samples and source.prim.HasAttribute(SOURCE_CODES):
+                hide_source_codes(spec)
         if metric is not None:
             for skeleton in source.skeletons:
                 if not skeleton.IsInstanceProxy():

@@ -142,27 +142,31 @@ def usd_values(op: XformOp, numbers: np.ndarray) -> list[Any]:
     return [make(*row) for row in rows]
 
 
-def resample_op(op: XformOp, clip: SkelClip, codes: np.ndarray, scheme: str, look_for_cuts: bool) -> Channel:
-    """Interpolate an op at the samples of its character; samples stay bit for bit.
+def cuts_of(op: XformOp, clip: SkelClip, look_for_cuts: bool) -> np.ndarray:
+    """Return the cuts of an op, shape=[C, 2]: those of its character, and jumps of its own if they are looked for."""
+    return np.concatenate([clip.cuts, _jumps(op, clip.codes_per_second)]) if look_for_cuts else clip.cuts
+
+
+def resample_op(op: XformOp, codes: np.ndarray, rate: float, scheme: str, cuts: np.ndarray) -> Channel:
+    """Interpolate an op; its samples stay bit for bit.
 
     Parameters
     ----------
     op : XformOp
-    clip : SkelClip
-        The character.
     codes : array-like, shape=[F]
-        Time codes of the character's samples.
+        Time codes, such as those of the character's samples.
+    rate : float
+        Time codes per second.
     scheme : str
         A name in `SCHEMES`.
-    look_for_cuts : bool
-        Whether jumps of the op itself are cuts, besides those of the clip.
+    cuts : array-like, shape=[C, 2]
+        See `cuts_of`.
 
     Returns
     -------
     channel : Channel
     """
-    channel, rate = op.channel, clip.codes_per_second
-    cuts = np.concatenate([clip.cuts, _jumps(op, rate)]) if look_for_cuts else clip.cuts
+    channel = op.channel
     filled = held(channel, merged_codes(channel.codes, codes, rate))
     for span in channel.stretches(rate, cuts):
         keys, numbers = channel.codes[span], channel.values[span, 0]

@@ -15,7 +15,7 @@ from usd_tools.console.text import did_you_mean, short_names
 from usd_tools.metrics.attributes import read_metric
 from usd_tools.skel.clip import SkelClip
 from usd_tools.upsampling.joint_styles import styled, unmatched
-from usd_tools.upsampling.options import UpsampleOptions
+from usd_tools.upsampling.options import CurveOptions
 
 LEARNING_RATE = 0.5
 """Share of samples that are keys when a clip teaches itself: twice the spacing, and the only one near it with truth."""
@@ -51,7 +51,7 @@ class ChosenMetric:
 def choose_metrics(
     path: Path,
     clips: Sequence[SkelClip],
-    options: UpsampleOptions,
+    options: CurveOptions,
     messages: Messages,
     progress: ProgressCallback | None = None,
 ) -> list[ChosenMetric]:
@@ -62,7 +62,7 @@ def choose_metrics(
     path : Path
         File that the animations are in.
     clips : sequence of SkelClip
-    options : UpsampleOptions
+    options : CurveOptions
         Its metric, scheme and styles.
     messages : Messages
         Told of joints that are missing.
@@ -96,7 +96,7 @@ def _choose(
     path: Path,
     clip: SkelClip,
     from_file: LearnedMetric | None,
-    options: UpsampleOptions,
+    options: CurveOptions,
     messages: Messages,
     progress: ProgressCallback | None,
 ) -> ChosenMetric:

@@ -25,19 +25,11 @@ def _style(value: str | Style) -> Style:
 
 
 @dataclass(frozen=True, kw_only=True)
-class UpsampleOptions(OutputOptions):
-    """Options of `upsample`, in the words of its command line; exactly one of `factor`, `fps` and `times` is needed.
+class CurveOptions(OutputOptions):
+    """Options of the verbs that lead curves through the samples of a file: which curves, and which samples they link.
 
     Parameters
     ----------
-    factor : int
-        Parts that every gap between samples is cut into.
-    fps : float
-        Samples per second.
-    times : str, TimeCodes or sequence of float
-        Time codes of the stage; or "source": where `downsample` removed samples.
-    retime : bool
-        With `fps`: give the output `fps` time codes per second, so that added samples are whole frames.
     scheme : str
         Interpolation scheme.
         Optional, default: the one that the metric was made for, else "geodesic-spline".
@@ -65,10 +57,6 @@ class UpsampleOptions(OutputOptions):
         Warn of every step of more than 120 degrees, not only of the widest.
     """
 
-    factor: int | None = option(None, whole_number)
-    fps: float | None = option(None, typed_rate)
-    times: TimeCodes | None = option(None, as_time_codes)
-    retime: bool = option(False, bool)
     scheme: str | None = option(None, one_of(SCHEME_NAMES))
     metric: str | Path | None = option(None, _metric)
     alpha: float | None = option(None, positive_number)
@@ -85,18 +73,51 @@ class UpsampleOptions(OutputOptions):
 
     def check(self) -> None:
         """Refuse values that do not go together."""
-        given = [word for word in ("factor", "fps", "times") if getattr(self, word) is not None]
-        if len(given) != 1:
-            raise UsageError(f"name exactly one of --factor, --fps and --times, not {' and '.join(given) or 'none'}")
-        if self.retime and self.fps is None:
-            raise UsageError("--retime needs --fps")
         if self.cut is not None and self.cut.text == SOURCE:
             raise UsageError("--cut must be numbers with commas between them, or a file of such")
         if self.cut is not None and self.no_cuts:
             raise UsageError("--cut and --no-cuts cannot go together; leave one of them out")
 
     @property
+    def looks_for_cuts(self) -> bool:
+        """True if cuts are where the pose is found to jump."""
+        return self.cut is None and not self.no_cuts
+
+    @property
     def styles(self) -> tuple[Style, ...]:
         """Settings by hand: those of all joints, then those of patterns."""
         everywhere = Style("*", self.alpha, self.beta, self.invariance, self.tension, self.translation_tension)
         return (*(() if everywhere == Style("*") else (everywhere,)), *self.joint)
+
+
+@dataclass(frozen=True, kw_only=True)
+class UpsampleOptions(CurveOptions):
+    """Options of `upsample`, in the words of its command line; exactly one of `factor`, `fps` and `times` is needed.
+
+    Those of `CurveOptions` are not repeated here.
+
+    Parameters
+    ----------
+    factor : int
+        Parts that every gap between samples is cut into.
+    fps : float
+        Samples per second.
+    times : str, TimeCodes or sequence of float
+        Time codes of the stage; or "source": where `downsample` removed samples.
+    retime : bool
+        With `fps`: give the output `fps` time codes per second, so that added samples are whole frames.
+    """
+
+    factor: int | None = option(None, whole_number)
+    fps: float | None = option(None, typed_rate)
+    times: TimeCodes | None = option(None, as_time_codes)
+    retime: bool = option(False, bool)
+
+    def check(self) -> None:
+        """Refuse values that do not go together."""
+        given = [word for word in ("factor", "fps", "times") if getattr(self, word) is not None]
+        if len(given) != 1:
+            raise UsageError(f"name exactly one of --factor, --fps and --times, not {' and '.join(given) or 'none'}")
+        if self.retime and self.fps is None:
+            raise UsageError("--retime needs --fps")
+        super().check()

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from geomstats_anim._version import __version__
-
-TOOL = "usd_tools.upsample"
 
 
 @dataclass(frozen=True)
@@ -99,6 +97,8 @@ class UpsampleResult:
         Sentence on the other files that a flattened output needs, else "".
     """
 
+    tool: ClassVar[str] = "usd_tools.upsample"
+
     source: str
     path: Path | None
     output: str | None
@@ -112,7 +112,7 @@ class UpsampleResult:
     def as_dict(self) -> dict[str, Any]:
         """Return the content of `--report`."""
         return {
-            "tool": TOOL,
+            "tool": self.tool,
             "version": __version__,
             "source": self.source,
             "output": self.output,

@@ -5,39 +5,57 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from pxr import Usd
 
-from geomstats_anim.names import WITH_METRIC
 from usd_tools.console.arguments import SOURCE
 from usd_tools.console.errors import Messages, ToolError, UsageError
 from usd_tools.console.progress import Progress, ProgressCallback
 from usd_tools.files.atomic import write_json
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
 from usd_tools.files.stages import describe_dependencies, open_stage, stage_path
-from usd_tools.skel.clip import SkelClip, read_clips
+from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.edit_target import EditTargetLayer
-from usd_tools.skel.find import AnimationSource, find_animations, select_animations
+from usd_tools.skel.find import find_animations, select_animations
 from usd_tools.skel.frame_rates import rate_like
 from usd_tools.skel.output import Output
 from usd_tools.skel.rate_advice import between_frames
-from usd_tools.skel.resampling import at_rate, resample, subdivided, with_codes, without_cuts
+from usd_tools.skel.resampling import Resampled, at_rate, resample, subdivided, with_codes
 from usd_tools.skel.time_codes import clips_with_source_codes, codes_for
 from usd_tools.skel.writer import AnimationLayer
-from usd_tools.skel.xforms import find_xform_ops, resample_op, usd_values
+from usd_tools.skel.xforms import cuts_of, find_xform_ops, resample_op, usd_values
+from usd_tools.upsampling.clips import animated_clips, check_schemes, check_size, with_cuts
 from usd_tools.upsampling.metric import ChosenMetric, choose_metrics
-from usd_tools.upsampling.options import UpsampleOptions
-from usd_tools.upsampling.result import TOOL, UpsampledAnimation, UpsampleResult
+from usd_tools.upsampling.options import CurveOptions, UpsampleOptions
+from usd_tools.upsampling.result import UpsampledAnimation, UpsampleResult
 from usd_tools.upsampling.summary import UpsampledClip, describe, warnings_of
 
-MAX_ROTATIONS = 1 << 27
-"""More than these are taken for a slip of the finger: 2 GiB of quaternions."""
 
-_STYLES = ("alpha", "beta", "invariance", "tension", "translation_tension", "joint")
+class Work(NamedTuple):
+    """Hold what a verb that leads curves through samples does of its own; the rest is done here.
+
+    Attributes
+    ----------
+    result : type
+        Its result, which names the tool.
+    interpolate : callable
+        From the path, the stage, the messages and the progress to interpolated animations.
+    retime : float or None
+        Samples per second that become the output's time codes per second; None keeps those of the source.
+    """
+
+    result: type[UpsampleResult]
+    interpolate: Callable[[Path, Usd.Stage, Messages, ProgressCallback | None], list[UpsampledClip]]
+    retime: float | None = None
+
+    def rate(self, stage: Usd.Stage) -> float:
+        """Return the time codes per second of the output, in the digits of the source, so that frames coincide."""
+        own = stage.GetTimeCodesPerSecond()
+        return own if self.retime is None else rate_like(self.retime, own)
 
 
-@openusd_errors()
 def upsample_file(
     source: Path,
     out: Path | None,
@@ -46,33 +64,71 @@ def upsample_file(
     warn: Callable[[str], None] | None,
 ) -> UpsampleResult:
     """Upsample the animations of a file; see `usd_tools.upsample.upsample`."""
+    return work_on_file(source, out, options, _work(options), progress, warn)
+
+
+def upsample_open_stage(
+    stage: Usd.Stage,
+    options: UpsampleOptions,
+    progress: ProgressCallback | None,
+    warn: Callable[[str], None] | None,
+) -> UpsampleResult:
+    """Upsample the animations of an open stage; see `usd_tools.upsample.upsample_stage`."""
+    return work_on_stage(stage, options, _work(options), progress, warn)
+
+
+def _work(options: UpsampleOptions) -> Work:
+    return Work(
+        UpsampleResult,
+        lambda path, stage, messages, progress: _upsampled(path, stage, options, messages, progress),
+        options.fps if options.retime else None,
+    )
+
+
+@openusd_errors()
+def work_on_file(
+    source: Path,
+    out: Path | None,
+    options: CurveOptions,
+    work: Work,
+    progress: ProgressCallback | None,
+    warn: Callable[[str], None] | None,
+) -> UpsampleResult:
+    """Interpolate the animations of a file and write the output.
+
+    Raises
+    ------
+    UsageError
+        If the output is not named.
+    ToolError
+        If something is wrong with the file, the options or the output.
+    """
     if out is None and not (options.in_place or options.dry_run):
         raise UsageError("name the output with -o/--out")
     messages = Messages(warn)
     target = Output(source, out, options)
     target.check()
-    if options.retime and options.in_place:
+    if work.retime is not None and options.in_place:
         raise ToolError("--retime cannot change a file in place; name another file with --out.")
     with usd_warnings(messages):
         stage = open_stage(source)
     target.check_layers(stage)
     with usd_warnings(messages), reading(source):
-        clips = _upsampled(source, stage, options, messages, progress)
+        clips = work.interpolate(source, stage, messages, progress)
+        rate = work.rate(stage)
         if not options.dry_run:
             layer = target.layer(
-                stage, TOOL, options.settings(), messages, _rate(stage, options) if options.retime else None
+                stage, work.result.tool, options.settings(), messages, None if work.retime is None else rate
             )
             _write(layer, clips, messages)
             target.save(layer)
-        stretch = _rate(stage, options) / stage.GetTimeCodesPerSecond()
-        animations = _described(clips, options, messages, stretch)
+        animations = _described(clips, options, messages, rate / stage.GetTimeCodesPerSecond())
     # A file that was changed in place is read anew below, so prims may be gone from the stage.
-    rate = _rate(stage, options)
     advice, dependencies = "", ""
     if not options.dry_run:
-        advice = _advice(stage, clips, rate, options.retime)
+        advice = _advice(stage, clips, rate, work.retime is not None)
         dependencies = f"{describe_dependencies(target.path, messages)}." if options.flatten else ""
-    result = UpsampleResult(
+    result = work.result(
         source.name,
         None if options.dry_run else target.path,
         None if options.dry_run else target.path.name,
@@ -89,24 +145,33 @@ def upsample_file(
 
 
 @openusd_errors()
-def upsample_open_stage(
+def work_on_stage(
     stage: Usd.Stage,
-    options: UpsampleOptions,
+    options: CurveOptions,
+    work: Work,
     progress: ProgressCallback | None,
     warn: Callable[[str], None] | None,
 ) -> UpsampleResult:
-    """Upsample the animations of an open stage; see `usd_tools.upsample.upsample_stage`."""
-    if options.retime:
+    """Interpolate the animations of an open stage, and write into the layer of its edit target.
+
+    Raises
+    ------
+    UsageError
+        If it is to be retimed.
+    ToolError
+        If something is wrong with the stage or the options.
+    """
+    if work.retime is not None:
         raise UsageError("--retime needs an output file; an open stage keeps its rate")
     messages, path = Messages(warn), stage_path(stage)
     with usd_warnings(messages), reading(path):
-        clips = _upsampled(path, stage, options, messages, progress)
+        clips = work.interpolate(path, stage, messages, progress)
         animations = _described(clips, options, messages)
         layer = EditTargetLayer(stage)
         if not options.dry_run:
             with layer.editing():
                 _write(layer, clips, messages)
-    return UpsampleResult(
+    return work.result(
         path.name,
         None,
         None if options.dry_run else layer.name,
@@ -124,13 +189,25 @@ def _upsampled(
     messages: Messages,
     progress: ProgressCallback | None,
 ) -> list[UpsampledClip]:
-    clips = _animated(path, select_animations(path, find_animations(stage), options.prim), messages)
+    clips = animated_clips(path, select_animations(path, find_animations(stage), options.prim), messages)
     if options.times is not None and options.times.text == SOURCE:
         clips = clips_with_source_codes(clips, messages)
-    clips = _with_cuts(clips, options)
+    clips = with_cuts(clips, options)
     metrics = choose_metrics(path, clips, options, messages, progress)
-    _check_schemes(options, clips, metrics)
+    check_schemes(options, clips, metrics)
     targets = [_target_codes(options, clip, messages) for clip in clips]
+    results = interpolated(clips, targets, metrics, progress)
+    upsampled = [UpsampledClip(*parts) for parts in zip(clips, targets, metrics, results, strict=True)]
+    return upsampled if options.no_xforms else [_with_xforms(each, options, messages) for each in upsampled]
+
+
+def interpolated(
+    clips: Sequence[SkelClip],
+    targets: Sequence[np.ndarray],
+    metrics: Sequence[ChosenMetric],
+    progress: ProgressCallback | None,
+) -> list[Resampled]:
+    """Interpolate clips at time codes, each with its metric; see `resample`."""
     work = [len(codes) * max(1, len(clip.joints)) for clip, codes in zip(clips, targets, strict=True)]
     bar = Progress(progress, sum(work), "Interpolating")
     results = []
@@ -140,8 +217,7 @@ def _upsampled(
             bar.advance(share * amount)
 
         results.append(resample(clip, codes, chosen.metric.scheme, chosen.metric, advance))
-    upsampled = [UpsampledClip(*parts) for parts in zip(clips, targets, metrics, results, strict=True)]
-    return upsampled if options.no_xforms else [_with_xforms(each, options, messages) for each in upsampled]
+    return results
 
 
 def _with_xforms(upsampled: UpsampledClip, options: UpsampleOptions, messages: Messages) -> UpsampledClip:
@@ -149,61 +225,12 @@ def _with_xforms(upsampled: UpsampledClip, options: UpsampleOptions, messages: M
     found = find_xform_ops(upsampled.clip.source)
     for note in found.notes:
         messages.warn(note)
-    scheme, look_for_cuts = upsampled.chosen.metric.scheme, options.cut is None and not options.no_cuts
-    resampled = [resample_op(op, upsampled.clip, upsampled.codes, scheme, look_for_cuts) for op in found.ops]
-    return replace(upsampled, xforms=tuple(zip(found.ops, resampled, strict=True)))
-
-
-def _animated(path: Path, sources: list[AnimationSource], messages: Messages) -> list[SkelClip]:
-    """Read the animations, and keep those that move."""
-    clips = read_clips(sources, messages)
-    for clip in clips:
-        for note in clip.notes:
-            messages.warn(note)
-    animated = [clip for clip in clips if clip.is_animated]
-    if not animated:
-        counts = (
-            f"{clip.path} has {max((len(channel.codes) for channel in clip.channels.values()), default=0)}"
-            for clip in clips
-        )
-        raise ToolError(f"{path} has no skeletal animation with at least two samples: {', '.join(counts)}.")
-    return animated
-
-
-def _with_cuts(clips: Sequence[SkelClip], options: UpsampleOptions) -> list[SkelClip]:
-    """Take the cuts that are asked for, if any are."""
-    if options.no_cuts:
-        return [without_cuts(clip) for clip in clips]
-    if options.cut is None or options.cut.codes is None:
-        return list(clips)
-    wanted = np.unique(options.cut.codes)
-    inside = [wanted[(wanted > clip.codes[0]) & (wanted <= clip.codes[-1])] for clip in clips]
-    outside = np.setdiff1d(wanted, np.concatenate(inside))
-    if len(outside):
-        ranges = ", ".join(f"{clip.path} from {clip.codes[0]:g} to {clip.codes[-1]:g}" for clip in clips)
-        raise ToolError(f"--cut {outside[0]:g} is between no two samples; there is {ranges}.")
-    after = [np.searchsorted(clip.codes, codes) for clip, codes in zip(clips, inside, strict=True)]
-    return [
-        replace(clip, given_cuts=np.stack([clip.codes[end - 1], clip.codes[end]], axis=-1))
-        for clip, end in zip(clips, after, strict=True)
+    clip, codes, scheme = upsampled.clip, upsampled.codes, upsampled.chosen.metric.scheme
+    resampled = [
+        resample_op(op, codes, clip.codes_per_second, scheme, cuts_of(op, clip, options.looks_for_cuts))
+        for op in found.ops
     ]
-
-
-def _check_schemes(options: UpsampleOptions, clips: Sequence[SkelClip], metrics: Sequence[ChosenMetric]) -> None:
-    """Refuse options about a metric where the scheme, asked for or stored, has none."""
-    # A scheme may be stored with a metric, and then be asked for by its name.
-    words = _STYLES if options.scheme is None else ("metric", *_STYLES)
-    given = [f"--{word.replace('_', '-')}" for word in words if getattr(options, word) not in (None, ())]
-    for clip, chosen in zip(clips, metrics, strict=True):
-        if given and not chosen.is_used:
-            raise ToolError(
-                f"{clip.path}: the scheme {chosen.metric.scheme} has no metric; leave out {', '.join(given)}, or use "
-                f"--scheme {' or '.join(WITH_METRIC)}."
-            )
-        if chosen.metric.scheme == "geodesic" and any(style.has_tension for style in options.styles):
-            raise ToolError(
-                f"{clip.path}: the scheme geodesic has no tension; leave out tensions, or use --scheme geodesic-spline."
-            )
+    return replace(upsampled, xforms=tuple(zip(found.ops, resampled, strict=True)))
 
 
 def _target_codes(options: UpsampleOptions, clip: SkelClip, messages: Messages) -> np.ndarray:
@@ -215,16 +242,14 @@ def _target_codes(options: UpsampleOptions, clip: SkelClip, messages: Messages) 
         word, n_added = "fps", float((clip.codes[-1] - clip.codes[0]) / clip.codes_per_second * options.fps)
     else:
         word, n_added = "times", float(len(times))
-    size = (len(clip.codes) + n_added) * max(1, clip.skeleton.n_joints)
-    if size > MAX_ROTATIONS:
-        raise ToolError(f"--{word} would create {size:.3g} rotations for {clip.path}; ask for fewer.")
+    check_size(clip, len(clip.codes) + n_added, word)
     if options.factor is not None:
         return subdivided(clip, options.factor)
     if options.fps is not None:
         if options.fps < 0.9995 * clip.samples_per_second():
             messages.warn(
                 f"{clip.path} has {clip.samples_per_second():g} samples per second, more than --fps {options.fps:g}; "
-                "upsample only adds samples."
+                "upsample only adds samples; usd_tools.resample --fps keeps exactly that rate."
             )
         return at_rate(clip, options.fps)
     first, last = clip.codes[0], clip.codes[-1]
@@ -237,24 +262,21 @@ def _target_codes(options: UpsampleOptions, clip: SkelClip, messages: Messages) 
 def _write(layer: AnimationLayer, clips: Sequence[UpsampledClip], messages: Messages) -> None:
     for each in clips:
         metric = each.chosen.metric if each.clip.joints else None
-        layer.write_animation(each.clip.source, each.result.channels, each.clip.missing, metric, messages)
+        kept = bool(np.isin(each.clip.codes, each.codes).all())
+        layer.write_animation(
+            each.clip.source, each.result.channels, each.clip.missing, metric, messages, keeps_samples=kept
+        )
         for op, channel in each.xforms:
             layer.write_values(op.attribute, channel, usd_values(op, channel.values[:, 0]))
 
 
 def _described(
-    clips: Sequence[UpsampledClip], options: UpsampleOptions, messages: Messages, stretch: float = 1.0
+    clips: Sequence[UpsampledClip], options: CurveOptions, messages: Messages, stretch: float = 1.0
 ) -> tuple[UpsampledAnimation, ...]:
     for each in clips:
         for sentence in warnings_of(each, options.verbose, stretch):
             messages.warn(sentence)
     return tuple(describe(each, stretch) for each in clips)
-
-
-def _rate(stage: Usd.Stage, options: UpsampleOptions) -> float:
-    """Return the time codes per second of the output; retimed, in the digits of the source, so that frames coincide."""
-    own = stage.GetTimeCodesPerSecond()
-    return rate_like(options.fps, own) if options.retime and options.fps is not None else own
 
 
 def _advice(stage: Usd.Stage, clips: Sequence[UpsampledClip], rate: float, retimed: bool) -> str:
