@@ -184,6 +184,12 @@ class MetricParameters:
         sides = tuple(self.invariance[joint] for joint in joints)
         return MetricParameters(self.alpha[joints], self.beta[joints], axes, sides)
 
+    def differs(self, other: MetricParameters) -> np.ndarray:
+        """Return which joints have another metric in other parameters for as many joints, shape=[B]."""
+        axes = (np.zeros((self.n_joints, 3)) if each.axes is None else each.axes for each in (self, other))
+        changed = (self.moments != other.moments) | np.not_equal(*axes)
+        return changed.any(axis=-1) | (self.is_right != other.is_right)
+
     @property
     def matrices(self) -> Array:
         """Return the matrices Z at the identity, shape=[B, 3, 3]."""

@@ -180,6 +180,13 @@ def _add_choice(parse: ArgumentParser) -> None:
         help="keep the fewest samples with which every measured point stays within this distance in the world, in "
         "centimetres",
     )
+    how_many.add_argument(
+        "--keep-only",
+        metavar="T",
+        type=time_codes,
+        help="keep exactly the samples at these time codes, and the ends of stretches between cuts: comma-separated "
+        "numbers, or a text file of them",
+    )
     parse.add_argument(
         "--weights-tolerance",
         metavar="W",
@@ -230,8 +237,8 @@ def _add_metric(parse: ArgumentParser) -> None:
     parse.add_argument(
         "--kind",
         choices=CRITERIA,
-        help="error that --rate and --keys minimise: distances of bone ends (loc), joint angles (rot), half of each "
-        "(hyb, the default), or the largest distance (max), which --tolerance always uses",
+        help="error that --rate, --keys and --keep-only minimise: distances of bone ends (loc), joint angles (rot), "
+        "half of each (hyb, the default), or the largest distance (max), which --tolerance always uses",
     )
 
 

@@ -15,6 +15,7 @@ a survey of all directions look for a shorter one.
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from enum import IntEnum
 from functools import cached_property
 from typing import NamedTuple
@@ -60,6 +61,10 @@ _SENTENCES = {
 
 _REACH = 1e5
 """Largest angle, in radians, that a geodesic is followed: beyond, it takes seconds, and its end is lost in rounding."""
+
+
+_BY_JOINT = ("initial", "velocity", "_momentum", "_inverse_moments", "_vector", "status", "residual", "iterations")
+"""Attributes of `PoseGeodesics`, shape=[n, B, ...]; the vectors of targets are None where only velocities are given."""
 
 
 class LogResult(NamedTuple):
@@ -178,6 +183,29 @@ class PoseGeodesics:
         geodesics.status = found.status.reshape(shape)
         geodesics.residual, geodesics.iterations = found.residual.reshape(shape), found.shots.reshape(shape)
         return geodesics
+
+    def at_joints(self, joints: np.ndarray) -> PoseGeodesics:
+        """Take some joints, by their indices, shape=[J]."""
+        other = copy(self)
+        other.parameters = self.parameters.at(joints)
+        for name in _BY_JOINT:
+            values = getattr(self, name)
+            setattr(other, name, None if values is None else values[:, joints])
+        other.__dict__.pop("length", None)
+        return other
+
+    def with_joints(self, joints: np.ndarray, those: PoseGeodesics, parameters: MetricParameters) -> PoseGeodesics:
+        """Replace some joints, by their indices, shape=[J], between the same poses; all together have the metric."""
+        other = copy(self)
+        other.parameters = parameters
+        for name in _BY_JOINT:
+            values = getattr(self, name)
+            if values is not None:
+                values = np.array(values)
+                values[:, joints] = getattr(those, name)
+            setattr(other, name, values)
+        other.__dict__.pop("length", None)
+        return other
 
     def __call__(self, index: np.ndarray, parameter: Array) -> Array:
         """Evaluate poses along the geodesics.

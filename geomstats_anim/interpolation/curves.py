@@ -149,11 +149,8 @@ class Curve(ABC):
             held = (keys.rotations[segment], keys.translations[segment])
             scales = None if keys.scales is None else keys.scales[segment]
             return Animation(keys.skeleton, times, *held, scales)
-        rotations, translations = self._rotations(segment, fraction), self._translations(segment, fraction)
-        # keys are kept bit for bit, whatever rounding a scheme has
-        for at_key, key in ((fraction <= 0.0, segment), (fraction >= 1.0, segment + 1)):
-            rotations[at_key] = keys.rotations[key[at_key]]
-            translations[at_key] = keys.translations[key[at_key]]
+        rotations = through_keys(self._rotations(segment, fraction), keys.rotations, segment, fraction)
+        translations = through_keys(self._translations(segment, fraction), keys.translations, segment, fraction)
         scales = None if keys.scales is None else self._linear(keys.scales, segment, fraction)
         return Animation(keys.skeleton, times, rotations, translations, scales)
 
@@ -177,6 +174,13 @@ def locate(key_times: Array, times: Array) -> tuple[np.ndarray, Array]:
         return np.zeros(len(times), dtype=np.intp), np.zeros(len(times))
     segment = np.clip(np.searchsorted(key_times, times, side="right") - 1, 0, len(key_times) - 2)
     return segment, np.clip((times - key_times[segment]) / np.diff(key_times)[segment], 0.0, 1.0)
+
+
+def through_keys(values: Array, keys: Array, segment: np.ndarray, fraction: Array) -> Array:
+    """Put keys, bit for bit, where values at shares of segments are at them, whatever rounding a scheme has."""
+    for at_key, key in ((fraction <= 0.0, segment), (fraction >= 1.0, segment + 1)):
+        values[at_key] = keys[key[at_key]]
+    return values
 
 
 def times_at(key_times: Array, segment: np.ndarray, fraction: Array) -> Array:

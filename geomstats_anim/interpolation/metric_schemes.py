@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import warnings
+from copy import copy
+from functools import cached_property
+from typing import Self
 
 import numpy as np
 
 from geomstats_anim.animation import Animation
 from geomstats_anim.geodesics.pose_geodesics import LogStatus
-from geomstats_anim.interpolation.curves import Curve, Fallback, Metric
+from geomstats_anim.geodesics.shortest import Effort
+from geomstats_anim.interpolation.curves import Curve, Fallback, Metric, locate, through_keys
 from geomstats_anim.interpolation.exponential import Rates
 from geomstats_anim.interpolation.splines import PathSpline, PoseSpline
 from geomstats_anim.learned_metric import LearnedMetric
@@ -28,13 +32,67 @@ class Geodesic(Curve):
 
     def _prepare(self, metric: Metric | None) -> None:
         keys = self.animation
-        self._spline = PoseSpline(keys.times, keys.rotations, self._curve.metric, self._tension)
-        self.geodesics = self._spline.geodesics
-        times, joints, status = keys.times, keys.skeleton.joints, self.geodesics.status
+        self._take(PoseSpline(keys.times, keys.rotations, self._curve.metric, self._tension))
+
+    def _take(self, spline: PoseSpline) -> None:
+        self._spline, self.geodesics = spline, spline.geodesics
+        keys, status = self.animation, spline.geodesics.status
+        times, joints = keys.times, keys.skeleton.joints
         self.fallbacks = tuple(
             Fallback(joints[b], float(times[k]), float(times[k + 1]), LogStatus(status[k, b]))
             for k, b in np.argwhere(status != LogStatus.CONVERGED)
         )
+
+    def with_metric(self, metric: Metric | None, effort: Effort = "thorough") -> Self:
+        """Take another metric through the same keys; only joints that it changes are solved.
+
+        Parameters
+        ----------
+        metric : MetricParameters or LearnedMetric
+            As when the curve is made.
+        effort : str
+            "thorough": the curve is the one that is made from this metric. "quick": start from the solutions of the
+            present metric, and do not prove that geodesics are the shortest; for what is seen while a value is dragged.
+            Optional, default: "thorough".
+
+        Returns
+        -------
+        curve : Curve
+            Of the same scheme; this one stays as it is.
+        """
+        other = copy(self)
+        other.__dict__.pop("_path", None)
+        other._curve = curve_parameters(metric, self.animation)
+        if self.animation.n_frames > 1:
+            other._take(self._spline.with_curve(self.animation.rotations, other._curve.metric, other._tension, effort))
+        return other
+
+    def differs(self, other: Self) -> tuple[np.ndarray, np.ndarray]:
+        """Return which joints turn, and which move, otherwise on another curve through the same keys, shape=[B]."""
+        mine, others = self._curve, other._curve
+        turns = mine.metric.differs(others.metric) | (self._tension != other._tension)
+        return turns, self._translation_tension != other._translation_tension
+
+    def rotations(self, times: Array, joints: np.ndarray) -> Array:
+        """Evaluate the rotations of some joints only, by their indices, shape=[F, J, 4], at increasing times."""
+        keys = self.animation.rotations[:, joints]
+        segment, fraction = locate(self.animation.times, times)
+        if len(keys) == 1:
+            return keys[segment]
+        return through_keys(self._spline.at_joints(joints)(segment, fraction), keys, segment, fraction)
+
+    def translations(self, times: Array, joints: np.ndarray) -> Array:
+        """Evaluate the translations of some joints only, shape=[F, J, 3]; see `rotations`."""
+        keys = self.animation.translations[:, joints]
+        segment, fraction = locate(self.animation.times, times)
+        if len(keys) == 1:
+            return keys[segment]
+        path = PathSpline(self.animation.times, keys, self._translation_tension[joints])
+        return through_keys(path(segment, fraction), keys, segment, fraction)
+
+    @property
+    def _translation_tension(self) -> Array:
+        return np.zeros(self.animation.n_joints)
 
     @property
     def _tension(self) -> Array:
@@ -54,14 +112,17 @@ class GeodesicSpline(Geodesic):
     velocity.
     """
 
-    def _prepare(self, metric: Metric | None) -> None:
-        super()._prepare(metric)
-        keys = self.animation
-        self._path = PathSpline(keys.times, keys.translations, self._curve.translation_tension)
+    @cached_property
+    def _path(self) -> PathSpline:
+        return PathSpline(self.animation.times, self.animation.translations, self._translation_tension)
 
     @property
     def _tension(self) -> Array:
         return self._curve.tension
+
+    @property
+    def _translation_tension(self) -> Array:
+        return self._curve.translation_tension
 
     def _translations(self, segment: np.ndarray, fraction: Array) -> Array:
         return self._path(segment, fraction)

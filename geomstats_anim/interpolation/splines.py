@@ -8,10 +8,12 @@ initial pose are arranged as in `geodesics`, so a spline shares the symmetries o
 from __future__ import annotations
 
 from copy import copy
+from functools import cached_property
 
 import numpy as np
 
 from geomstats_anim import rotations as quat
+from geomstats_anim.geodesics.end_velocities import EndVelocities
 from geomstats_anim.geodesics.pose_geodesics import PoseGeodesics
 from geomstats_anim.geodesics.shortest import Effort
 from geomstats_anim.interpolation.exponential import Rates, bent_rates
@@ -54,19 +56,58 @@ class PoseSpline:
         near: Array | None = None,
         effort: Effort = "thorough",
     ) -> None:
-        self._durations = np.diff(times)
-        self.geodesics: PoseGeodesics = PoseGeodesics.between(keys[:-1], keys[1:], parameters, near, effort)
-        self._velocities = None
-        if tension.any():
-            per_second = 1.0 / self._durations[:, None, None]
-            self._ends = self.geodesics.end_velocities
-            self._velocities = KeyVelocities(
-                self._durations,
-                self._ends.start * per_second,
-                self._ends.end * per_second,
-                tension,
-                (self._ends.start_acceleration * per_second**2, self._ends.end_acceleration * per_second**2),
-            )
+        self._durations, self._tension = np.diff(times), tension
+        self._is_quick = np.full(keys.shape[1], effort == "quick")
+        self.geodesics = PoseGeodesics.between(keys[:-1], keys[1:], parameters, near, effort)
+
+    def at_joints(self, joints: np.ndarray) -> PoseSpline:
+        """Take some joints, by their indices, shape=[J]."""
+        return self._with(self.geodesics.at_joints(joints), self._tension[joints], self._is_quick[joints])
+
+    def with_curve(self, keys: Array, parameters: MetricParameters, tension: Array, effort: Effort) -> PoseSpline:
+        """Take another metric and tension through the same keys; only joints whose metric differs are solved.
+
+        A thorough search starts anew, so that its result does not depend on the metric before, and does what was quick
+        so far again. A quick one starts from the solutions of the metric before.
+        """
+        geodesics, is_changed = self.geodesics, self.geodesics.parameters.differs(parameters)
+        if effort == "thorough":
+            is_changed = is_changed | self._is_quick
+        changed = np.flatnonzero(is_changed)
+        if len(changed):
+            mine = parameters.at(changed)
+            near = None
+            if effort == "quick":
+                same_side = mine.is_right == geodesics.parameters.is_right[changed]
+                near = np.where(same_side[:, None], geodesics.velocity[:, changed], np.nan)
+            solved = PoseGeodesics.between(keys[:-1, changed], keys[1:, changed], mine, near, effort)
+            geodesics = geodesics.with_joints(changed, solved, parameters)
+        is_quick = self._is_quick | is_changed if effort == "quick" else np.zeros_like(is_changed)
+        return self._with(geodesics, tension, is_quick)
+
+    def _with(self, geodesics: PoseGeodesics, tension: Array, is_quick: np.ndarray) -> PoseSpline:
+        other = copy(self)
+        other.geodesics, other._tension, other._is_quick = geodesics, tension, is_quick
+        for name in ("_ends", "_velocities"):
+            other.__dict__.pop(name, None)
+        return other
+
+    @cached_property
+    def _ends(self) -> EndVelocities:
+        return self.geodesics.end_velocities
+
+    @cached_property
+    def _velocities(self) -> KeyVelocities | None:
+        if not self._tension.any():
+            return None
+        per_second, ends = 1.0 / self._durations[:, None, None], self._ends
+        return KeyVelocities(
+            self._durations,
+            ends.start * per_second,
+            ends.end * per_second,
+            self._tension,
+            (ends.start_acceleration * per_second**2, ends.end_acceleration * per_second**2),
+        )
 
     def __call__(self, index: np.ndarray, parameter: Array) -> Array:
         """Evaluate poses.

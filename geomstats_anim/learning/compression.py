@@ -56,6 +56,7 @@ def compress(
     scheme: str = "geodesic-spline",
     family: str | None = None,
     keep: Sequence[ArrayLike] | None = None,
+    only: Sequence[ArrayLike] | None = None,
     markers: Markers | None = None,
     progress: Callable[[int, float], None] = lambda evaluations, value: None,
 ) -> Compressed:
@@ -66,7 +67,7 @@ def compress(
     animations : sequence of Animation
         Of one rig; one metric serves them all.
     counts : sequence of int
-        Keys to keep of each. Either this or the tolerance.
+        Keys to keep of each. Either this, or the tolerance, or `only`.
     tolerance : float
         Metres in the world that no marker may be away from its place in any frame; the fewest keys are sought.
     kind : str
@@ -84,6 +85,9 @@ def compress(
     keep : sequence of array-like of int
         Frames of each that must be kept.
         Optional, default: none.
+    only : sequence of array-like of int
+        Frames of each that are kept, exactly these and both ends; then only the metric is sought.
+        Optional, default: None.
     markers : Markers
         As in `optimal_keyframes`.
         Optional, default: every joint, and the end of its bone.
@@ -114,6 +118,9 @@ def compress(
     if scheme not in SCHEMES:
         raise ValueError(f"There is no scheme {scheme!r}; the schemes are {', '.join(SCHEMES)}.")
     _check(animations, counts, select, keep)
+    exactly = None if only is None else _with_ends(animations, only)
+    if exactly is not None:
+        counts = [len(kept) for kept in exactly]
     problems = [
         KeyProblem.of(
             animation,
@@ -130,6 +137,8 @@ def compress(
     kind = "hyb" if problems[0].measure.largest else kind or "hyb"
     family = family or ("spd" if tolerance is None else "diagonal")
     learn: Fit = _nothing if scheme not in WITH_METRIC else partial(_fit, animations, scheme, kind, progress, family)
+    if exactly is not None:
+        return Compressed(tuple(exactly), _cheapest(problems, exactly, plain, learn(exactly)))
     if select == "uniform":
         return _uniform(problems, plain, learn)
     start = [problem.under_slerp() for problem in problems]
@@ -153,6 +162,17 @@ def _check(
         )
     if any(animation.skeleton.joints != animations[0].skeleton.joints for animation in animations):
         raise ValueError("The animations have different joints; compress those of one rig at a time.")
+
+
+def _with_ends(animations: Sequence[Animation], only: Sequence[ArrayLike]) -> list[np.ndarray]:
+    """Return frames of each animation, increasing, with the first and the last among them."""
+    kept = []
+    for animation, frames in zip(animations, only, strict=True):
+        frames = np.union1d(frames, [0, animation.n_frames - 1])
+        if frames[0] < 0 or frames[-1] >= animation.n_frames or (frames != np.round(frames)).any():
+            raise ValueError(f"only must hold frames from 0 to {animation.n_frames - 1}, but it is {frames.tolist()}.")
+        kept.append(frames.astype(np.intp))
+    return kept
 
 
 def _fit(

@@ -206,6 +206,15 @@ def test_what_is_to_stay_stays(clip, there_and_back):
         assert {5.0, 6.0} <= set(read(sparse)[0])
 
 
+def test_exactly_the_samples_that_are_named_stay(clip, there_and_back):
+    sparse, back, report = there_and_back(clip, "--keep-only", "11,4,20")
+    codes = read(clip)[0]
+    assert read(sparse)[0] == [codes[0], 4.0, 11.0, 20.0, codes[-1]]
+    assert report["settings"]["keep_only"] == "11,4,20"
+    # a metric is learned for them: no worse than slerp, which viewers show
+    assert report["animations"][0]["rebuilt"]["q_hyb"] <= report["animations"][0]["played"]["q_hyb"]
+
+
 def test_several_animations_and_one_of_them(tmp_path, run):
     stage = make_rig(tmp_path / "in.usda", codes=range(20), rotations=random_rotations(20, 3))
     other = UsdSkel.Animation.Define(stage, "/Rig/Library")
@@ -466,6 +475,7 @@ def refused(refuse):
         (["--keys", "41"], f"{ANIMATION} cannot be downsampled with these options: --keys is 41, but 2 of 40"),
         (["--keys", "3", "--keep", "5,6"], "--keys is 3, but 4 of 40 samples must stay"),
         (["--rate", ".3", "--keep", "5.5"], "--keep 5.5 is not the time code of a sample"),
+        (["--keep-only", "5,5.5"], "--keep-only 5.5 is not the time code of a sample"),
         (["--rate", ".3", "--keep", "source"], "does not store the time codes of its source"),
         (["--rate", ".3", "--prim", "/Nowhere"], "--prim /Nowhere: there is no such prim"),
         (["--rate", ".3", "--picture", "{}/kept.gif"], "the name must end in .png, .svg, .pdf"),
@@ -487,6 +497,9 @@ def test_refusals(tmp_path, clip, refused, arguments, sentence):
         ["--tolerance", "0"],
         ["--tolerance", "1", "--kind", "rot"],
         ["--rate", ".3", "--select", "uniform", "--keep", "4"],
+        ["--keep-only", "4", "--rate", ".3"],
+        ["--keep-only", "4", "--keep", "5"],
+        ["--keep-only", "4", "--select", "uniform"],
         ["--rate", ".3", "--scheme", "squad", "--family", "spd"],
     ],
 )

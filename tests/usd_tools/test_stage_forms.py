@@ -196,7 +196,7 @@ def test_options_are_checked_wherever_they_come_from(tmp_path):
         (UpsampleOptions, {"factor": 2, "alpha": -1.0}, "--alpha must be a positive number, not -1.0"),
         (UpsampleOptions, {"times": [1, float("nan")]}, "--times must be comma-separated numbers"),
         (UpsampleOptions, {"factor": 2, "usd_format": "usdz"}, "--usdFormat must be usda or usdc, not 'usdz'"),
-        (DownsampleOptions, {}, "name exactly one of --rate, --keys and --tolerance, not none"),
+        (DownsampleOptions, {}, "name exactly one of --rate, --keys, --tolerance and --keep-only, not none"),
         (DownsampleOptions, {"rate": 1.0}, "--rate must be a number above 0 and below 1, not 1.0"),
         (DownsampleOptions, {"tolerance": 1, "kind": "rot"}, "--kind rot needs --rate or --keys"),
         (LearnOptions, {"search": "tpe", "folder": "x"}, "--folder goes with --search tpe-joint"),

@@ -26,9 +26,9 @@ WEIGHTS_TOLERANCE = 0.01
 
 @dataclass(frozen=True, kw_only=True)
 class DownsampleOptions(OutputOptions):
-    """Options of `downsample`, in the words of its command line; exactly one of the first three is needed.
+    """Options of `downsample`, in the words of its command line; exactly one of the first four is needed.
 
-    The first three are about joints.
+    The first four are about joints.
 
     Parameters
     ----------
@@ -38,6 +38,8 @@ class DownsampleOptions(OutputOptions):
         Number of samples to keep, of each animation.
     tolerance : float
         Centimetres in the world: the fewest samples are kept with which no measured point is further from its place.
+    keep_only : str, TimeCodes or sequence of float
+        Time codes of the samples to keep, exactly these and the ends of stretches between cuts.
     weights_tolerance : float
         The fewest samples of blend shape weights are kept with which no weight is further from its value, whatever
         decides about joints.
@@ -61,7 +63,7 @@ class DownsampleOptions(OutputOptions):
         "diagonal" or "spd".
         Optional, default: "spd", or "diagonal" with a tolerance.
     kind : str
-        Criterion of `rate` and `keys`: "loc", "rot", "hyb" or "max".
+        Criterion of `rate`, `keys` and `keep_only`: "loc", "rot", "hyb" or "max".
         Optional, default: "hyb".
     picture : Path
         Picture of the samples kept, .png, .svg or .pdf.
@@ -71,6 +73,7 @@ class DownsampleOptions(OutputOptions):
     rate: float | None = option(None, share)
     keys: int | None = option(None, whole_number)
     tolerance: float | None = option(None, positive_number)
+    keep_only: TimeCodes | None = option(None, as_time_codes)
     weights_tolerance: float = option(WEIGHTS_TOLERANCE, positive_number)
     measure: str | None = option(None, one_of(MEASURES))
     shell: float | None = option(None, positive_number)
@@ -83,9 +86,14 @@ class DownsampleOptions(OutputOptions):
 
     def check(self) -> None:
         """Refuse values that do not go together."""
-        given = [f"--{word}" for word in ("rate", "keys", "tolerance") if getattr(self, word) is not None]
+        words = ("rate", "keys", "tolerance", "keep_only")
+        given = [f"--{word.replace('_', '-')}" for word in words if getattr(self, word) is not None]
         if len(given) != 1:
-            raise UsageError(f"name exactly one of --rate, --keys and --tolerance, not {' and '.join(given) or 'none'}")
+            raise UsageError(
+                f"name exactly one of --rate, --keys, --tolerance and --keep-only, not {' and '.join(given) or 'none'}"
+            )
+        if self.keep_only is not None and (self.keep is not None or self.select == "uniform"):
+            raise UsageError("--keep-only names all the samples to keep; leave out --keep and --select")
         if self.tolerance is not None and self.kind not in (None, LARGEST):
             raise UsageError(f"--kind {self.kind} needs --rate or --keys; --tolerance always uses the largest distance")
         if self.measure is not None and self.criterion != LARGEST:

@@ -125,7 +125,8 @@ def downsample_clip(
         raise ToolError(
             f"{clip.path} has no skeleton, so --tolerance cannot be measured; bind it to its skeleton, or use --rate."
         )
-    keep = np.zeros(0) if options.keep is None else codes_for(clip, options.keep)
+    wanted = options.keep or options.keep_only
+    keep = np.zeros(0) if wanted is None else codes_for(clip, wanted)
     selection = SampleSelection.of(clip, thinned_weights(clip, options.weights_tolerance, keep))
     if selection.kept_whole:
         messages.warn(
@@ -189,21 +190,24 @@ def _compressed(
 ) -> Compressed:
     if not animations:
         return Compressed((), LearnedMetric.plain(clip.skeleton.joints, options.scheme))
-    keep = None
-    if options.keep is not None:
-        keep = selection.frames_at(codes)
+    keep = only = None
+    if options.keep is not None or options.keep_only is not None:
+        word = "--keep" if options.keep_only is None else "--keep-only"
         lost = codes[~np.isin(codes, clip.codes)]
         if len(lost):
-            raise ValueError(f"--keep {lost[0]:g} is not the time code of a sample")
+            raise ValueError(f"{word} {lost[0]:g} is not the time code of a sample")
+        frames = selection.frames_at(codes)
+        keep, only = (frames, None) if options.keep_only is None else (None, frames)
     return compress(
         animations,
-        None if tolerance is not None else _counts(animations, options, keep),
+        None if tolerance is not None or only is not None else _counts(animations, options, keep),
         tolerance,
         kind=options.kind,
         select=options.select,
         scheme=options.scheme,
         family=options.family,
         keep=keep,
+        only=only,
         markers=markers,
         progress=watch,
     )

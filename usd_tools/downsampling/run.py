@@ -14,6 +14,7 @@ from usd_tools.downsampling.options import DownsampleOptions
 from usd_tools.downsampling.reduce import DownsampledClip, downsample_clip, verified
 from usd_tools.downsampling.result import TOOL, DownsampledAnimation, DownsampleResult
 from usd_tools.downsampling.summary import PICTURES, describe, draw, twist_sentence
+from usd_tools.downsampling.thinning import write_sparse
 from usd_tools.files.atomic import write_json
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_unheard, usd_warnings
 from usd_tools.files.paths import check_output, same_file
@@ -135,12 +136,7 @@ def _downsampled(
 
 def _write(layer: AnimationLayer, clips: Sequence[DownsampledClip], messages: Messages) -> None:
     for each in clips:
-        sampled = {name: channel for name, channel in each.sparse.channels.items() if len(channel.codes)}
-        constant = {name: each.sparse.channels[name].default for name in each.sparse.channels if name not in sampled}
-        source = each.clip.source
-        defaults = {**each.clip.missing, **constant}
-        metric = each.metric if each.clip.joints else None
-        layer.write_animation(source, sampled, defaults, metric, messages, each.clip.codes, each.clip.cuts)
+        write_sparse(layer, each.clip, each.sparse, each.metric if each.clip.joints else None, messages)
 
 
 def _described(

@@ -12,10 +12,12 @@ from geomstats_anim import rotations as quat
 from geomstats_anim.criteria import kind_shares, location_errors
 from geomstats_anim.markers import Markers, world_errors
 from geomstats_anim.rotations import Array
+from usd_tools.console.errors import Messages
 from usd_tools.downsampling.weights import WEIGHTS
 from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.resampling import animation_of, resample, with_codes, without_cuts
+from usd_tools.skel.writer import AnimationLayer
 
 THINNED = ("rotations", "translations")
 """Channels whose samples are chosen together; scales that change are kept whole, for nothing judges them."""
@@ -137,6 +139,27 @@ def restored(sparse: SkelClip, metric: LearnedMetric, codes: np.ndarray, scheme:
     """
     dense = resample(sparse, with_codes(sparse, codes), scheme or metric.scheme, metric if scheme is None else None)
     return replace(sparse, channels={**sparse.channels, **dense.channels})
+
+
+def write_sparse(
+    layer: AnimationLayer, clip: SkelClip, sparse: SkelClip, metric: LearnedMetric | None, messages: Messages
+) -> None:
+    """Write a clip with few of its samples, and where the others were.
+
+    Parameters
+    ----------
+    layer : AnimationLayer
+    clip : SkelClip
+    sparse : SkelClip
+        What `SampleSelection.sparse` made of it.
+    metric : LearnedMetric
+        That rebuilds the others; None if there are no joints.
+    messages : Messages
+    """
+    sampled = {name: channel for name, channel in sparse.channels.items() if len(channel.codes)}
+    constant = {name: channel.default for name, channel in sparse.channels.items() if name not in sampled}
+    defaults = {**clip.missing, **constant}
+    layer.write_animation(clip.source, sampled, defaults, metric, messages, clip.codes, clip.cuts)
 
 
 @dataclass(frozen=True, eq=False)

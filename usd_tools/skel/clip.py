@@ -194,9 +194,15 @@ class SkelClip:
 
     def _placements(self, codes: np.ndarray) -> np.ndarray | None:
         """Return where the skeleton is in the world, see `Animation`; None where that changes no length."""
-        if self._is_rigid:
+        return None if self._is_rigid else self.placements(codes)
+
+    def placements(self, codes: np.ndarray) -> np.ndarray | None:
+        """Return where the skeleton is in the world, shape=[K, 3, 4], see `Animation`; None if it is nowhere."""
+        if not self.source.rig:
             return None
         matrices = world_matrices(self.source.rig[0], codes).transpose(0, 2, 1)[:, :3] / self._file_scale
+        if not np.isfinite(matrices).all():
+            return None
         return np.concatenate([matrices[..., :3], matrices[..., 3:] * self.world_scale], axis=-1)
 
     def _to_metric_units(self, name: str, values: np.ndarray) -> np.ndarray:

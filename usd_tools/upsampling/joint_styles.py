@@ -74,7 +74,10 @@ def _word(name: str) -> str:
 def _written(value: object) -> str:
     if isinstance(value, tuple):
         return " ".join(map(_written, value))
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    if not isinstance(value, float):
+        return str(value)
+    short = f"{value:g}"
+    return short if float(short) == value else repr(value)
 
 
 def tension_number(text: str) -> float:
@@ -132,6 +135,32 @@ def parse_style(text: str) -> Style:
             found[name.replace("-", "_")] = _PARSED[name](value)
         except argparse.ArgumentTypeError as error:
             raise argparse.ArgumentTypeError(f"{name} in {text!r} {error}") from None
+    return Style(pattern, **found)
+
+
+def as_style(pattern: str, **settings: Any) -> Style:
+    """Check the settings of a style that come as plain values, not as text.
+
+    Raises
+    ------
+    ValueError
+        If there is no such setting, or a value is not allowed.
+    """
+    if not isinstance(pattern, str):
+        raise ValueError(f"a pattern must be text, not {pattern!r}")
+    found = {}
+    for name, value in settings.items():
+        parse = _PARSED.get(_word(name))
+        if parse is None or name != name.replace("-", "_"):
+            raise ValueError(
+                f"there is no setting {name!r}{did_you_mean(name, [word.replace('-', '_') for word in _PARSED])}"
+            )
+        if not isinstance(value, list | tuple if name == "axes" else str | int | float):
+            raise ValueError(f"{name} cannot be {value!r}")
+        try:
+            found[name] = parse(_written(tuple(value) if isinstance(value, list) else value))
+        except argparse.ArgumentTypeError as error:
+            raise ValueError(f"{name} {error}") from None
     return Style(pattern, **found)
 
 

@@ -1,0 +1,181 @@
+"""What edits change: the metric and the keys. Every edit gives a new state, so that undoing is going back."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from geomstats_anim import LearnedMetric, MetricParameters, optimal_keyframes
+from geomstats_anim.names import DEFAULT_SCHEME
+from geomstats_anim.parameters import CurveParameters
+from usd_tools.console.errors import ToolError
+from usd_tools.console.text import did_you_mean, short_names
+from usd_tools.editing.edits import (
+    ChooseKeys,
+    Edit,
+    EveryNth,
+    FreeKey,
+    KeepOnly,
+    Mirror,
+    PinKey,
+    Reset,
+    UseMetric,
+    UseScheme,
+)
+from usd_tools.editing.motion import EditableMotion
+from usd_tools.metrics.attributes import read_metric
+from usd_tools.upsampling.joint_styles import Style, styled, unmatched
+
+_SIDES = (("left", "right"), ("l", "r"))
+"""Words for the sides of a body, as parts of joint names."""
+
+
+@dataclass(frozen=True, eq=False)
+class EditState:
+    """Metric and keys.
+
+    Parameters
+    ----------
+    metric : LearnedMetric
+        For all joints of the skeleton, with the scheme.
+    is_key : array-like of bool, shape=[S]
+        Which samples are keys.
+    """
+
+    metric: LearnedMetric
+    is_key: np.ndarray
+
+    @classmethod
+    def start(cls, motion: EditableMotion) -> EditState:
+        """Return the state before any edit: the metric that the file stores, and all its samples."""
+        joints = motion.skeleton.joints
+        stored = read_metric(motion.clip.source.prim)
+        metric = LearnedMetric.plain(joints, DEFAULT_SCHEME) if stored is None else stored.for_joints(joints)[0]
+        return cls(metric, np.ones(len(motion.samples), dtype=bool))
+
+    def keyframes(self, motion: EditableMotion) -> list[np.ndarray]:
+        """Return the frames of each stretch that are keys."""
+        return [np.flatnonzero(self.is_key[part.samples]) for part in motion.parts]
+
+
+def edited(state: EditState, edit: Edit, motion: EditableMotion) -> EditState:
+    """Apply an edit.
+
+    Raises
+    ------
+    ToolError
+        If it does not fit the clip.
+    """
+    if isinstance(edit, EveryNth | ChooseKeys | KeepOnly | PinKey | FreeKey):
+        return replace(state, is_key=_with_ends(_keys(state, edit, motion), motion))
+    return replace(state, metric=_metric(state.metric, edit))
+
+
+def _metric(metric: LearnedMetric, edit: Edit) -> LearnedMetric:
+    joints = metric.joints
+    if isinstance(edit, UseMetric):
+        if not set(edit.metric.joints) & set(joints):
+            raise ToolError("The metric has an entry for no joint of this clip.")
+        return edit.metric.for_joints(joints)[0]
+    if isinstance(edit, UseScheme):
+        return metric.for_scheme(edit.scheme)
+    pattern = edit.pattern  # type: ignore[union-attr]
+    if unmatched([Style(pattern)], joints) is not None:
+        near = did_you_mean(pattern, [*short_names(joints).values(), *joints])
+        raise ToolError(f"{pattern!r} matches no joint{near or '.'}")
+    if isinstance(edit, Mirror):
+        return _mirrored(metric, pattern)
+    style = _reset(edit.pattern, metric.scheme) if isinstance(edit, Reset) else edit
+    assert isinstance(style, Style)
+    try:
+        changed = styled(metric, [style])
+    except ValueError as error:
+        raise ToolError(f"{style} cannot be applied: {error}") from error
+    # the session remembers its edits, so the metric need not
+    return replace(changed, provenance=metric.provenance)
+
+
+def _reset(pattern: str, scheme: str) -> Style:
+    usual = CurveParameters.plain(scheme, 1)
+    tension, translation_tension = float(usual.tension[0]), float(usual.translation_tension[0])
+    return Style(pattern, 1.0, 1.0, "left", tension, translation_tension, (0.0, 0.0, 0.0))
+
+
+def _mirrored(metric: LearnedMetric, pattern: str) -> LearnedMetric:
+    place = {joint: i for i, joint in enumerate(metric.joints)}
+    pairs = [(i, place.get(counterpart(joint), i)) for joint, i in place.items() if Style(pattern).matches(joint)]
+    pairs = [(one, other) for one, other in pairs if one != other]
+    if not pairs:
+        raise ToolError(f"{pattern!r} matches no joint with a counterpart on the other side.")
+    source = np.arange(len(place))
+    source[[other for _, other in pairs]] = [one for one, _ in pairs]
+    old = metric.parameters
+    parameters = MetricParameters(
+        old.alpha[source],
+        old.beta[source],
+        None if old.axes is None else old.axes[source],
+        tuple(old.invariance[i] for i in source),
+    )
+    tensions = {"tension": metric.tension[source], "translation_tension": metric.translation_tension[source]}
+    return replace(metric, parameters=parameters, quality="", **tensions)
+
+
+def counterpart(joint: str) -> str:
+    """Return the name of the joint on the other side: words for left and right, exchanged in the whole path."""
+    words = re.split(r"(?<=[a-z])(?=[A-Z])|(?<=[^A-Za-z])(?=[A-Za-z])|(?<=[A-Za-z])(?=[^A-Za-z])", joint)
+    return "".join(_other_side(word) for word in words)
+
+
+def _other_side(word: str) -> str:
+    for left, right in (*_SIDES, *((right, left) for left, right in _SIDES)):
+        if word.lower() == left:
+            return right.upper() if word.isupper() else right.title() if word.istitle() else right
+    return word
+
+
+def _keys(state: EditState, edit: Edit, motion: EditableMotion) -> np.ndarray:
+    samples = motion.samples
+    is_key = np.zeros(len(samples), dtype=bool)
+    if isinstance(edit, EveryNth):
+        for part in motion.parts:
+            is_key[part.samples][:: edit.n] = True
+    elif isinstance(edit, KeepOnly):
+        is_key[[_sample(code, samples) for code in edit.codes]] = True
+    elif isinstance(edit, PinKey | FreeKey):
+        is_key = state.is_key.copy()
+        is_key[_sample(edit.code, samples)] = isinstance(edit, PinKey)
+    elif isinstance(edit, ChooseKeys):
+        if edit.count > len(samples):
+            raise ToolError(f"{edit.count} keys cannot be chosen of {len(samples)} samples.")
+        for part, count in zip(motion.parts, _shares(edit.count, motion), strict=True):
+            try:
+                is_key[part.samples][optimal_keyframes(part.animation, count)] = True
+            except ValueError as error:
+                raise ToolError(f"{edit.count} keys cannot be chosen: {error}") from error
+    return is_key
+
+
+def _with_ends(is_key: np.ndarray, motion: EditableMotion) -> np.ndarray:
+    """Make keys of the ends of stretches, and of samples in none: no curve leads to them."""
+    kept = np.ones(len(is_key), dtype=bool)
+    for part in motion.parts:
+        kept[part.samples.start + 1 : part.samples.stop - 1] = False
+    return is_key | kept
+
+
+def _shares(count: int, motion: EditableMotion) -> list[int]:
+    """Distribute keys over the stretches by their length."""
+    sizes = np.array([part.animation.n_frames for part in motion.parts])
+    shares: Sequence[int] = np.round(count * sizes / sizes.sum()).astype(int).tolist()
+    return [int(np.clip(share, 2, size)) for share, size in zip(shares, sizes.tolist(), strict=True)]
+
+
+def _sample(code: float, samples: np.ndarray) -> int:
+    """Find the sample at a time code; one that is off by rounding is that one."""
+    nearest = int(np.abs(samples - code).argmin())
+    if abs(samples[nearest] - code) > 1e-6 * max(1.0, abs(code)):
+        raise ToolError(f"There is no sample at time code {code:g}; the nearest is at {samples[nearest]:g}.")
+    return nearest
