@@ -124,6 +124,15 @@ class Skeleton:
         return depths
 
 
+def descendants(skeleton: Skeleton, joints: np.ndarray) -> np.ndarray:
+    """Return some joints, by their indices, and all below them, shape=[J], parents before children."""
+    is_below = np.zeros(skeleton.n_joints, dtype=bool)
+    is_below[joints] = True
+    for joint, parent in enumerate(skeleton.parents.tolist()):
+        is_below[joint] |= parent >= 0 and is_below[parent]
+    return np.flatnonzero(is_below)
+
+
 def default_bone_ends(
     parents: ArrayLike, rest_translations: ArrayLike, bone_lengths: Sequence[float | None] | None = None
 ) -> Array:

@@ -30,20 +30,40 @@ def joint_matrices(animation: Animation) -> Array:
     matrices : array-like, shape=[F, B, 3, 4]
         A point p of a joint's frame is at m[:, :3] p + m[:, 3], metres.
     """
-    shape = (animation.n_frames, animation.n_joints)
-    matrices = np.empty((*shape, 3, 4))
+    matrices = np.empty((animation.n_frames, animation.n_joints, 3, 4))
+    rotations, translations = np.array(animation.rotations), np.array(animation.translations)
+    place_some(animation, rotations, translations, breadth_first(animation.skeleton), matrices)
+    return matrices
+
+
+def place_some(
+    animation: Animation, rotations: Array, translations: Array, joints: np.ndarray, matrices: Array
+) -> None:
+    """Place some joints of an animation anew, turned and moved otherwise; see `joint_matrices`.
+
+    Parameters
+    ----------
+    animation : Animation
+        What the skeleton, its scales and its place in the world are.
+    rotations, translations : array-like, shape=[F, B, 4], shape=[F, B, 3]
+        Writeable.
+    joints : array-like of int, shape=[J]
+        With every joint, all below it, parents first.
+    matrices : array-like, shape=[F, B, 3, 4]
+        Of all joints; those of the chosen ones are written.
+    """
+    shape = rotations.shape[:2]
     scales = np.ones((*shape, 3)) if animation.scales is None else animation.scales
-    world = np.broadcast_to(np.eye(3, 4), (len(matrices), 3, 4)) if animation.world is None else animation.world
+    world = np.broadcast_to(np.eye(3, 4), (shape[0], 3, 4)) if animation.world is None else animation.world
     kernel.place_joints(
-        breadth_first(animation.skeleton),
+        joints,
         np.array(animation.skeleton.parents),
         np.array(world),
-        np.array(animation.rotations),
-        np.array(animation.translations),
+        rotations,
+        translations,
         np.array(scales),
         matrices,
     )
-    return matrices
 
 
 @dataclass(frozen=True, eq=False)

@@ -71,6 +71,8 @@ class Geodesic(Curve):
         """Return which joints turn, and which move, otherwise on another curve through the same keys, shape=[B]."""
         mine, others = self._curve, other._curve
         turns = mine.metric.differs(others.metric) | (self._tension != other._tension)
+        if self.animation.n_frames > 1:
+            turns |= self._spline.is_quick | other._spline.is_quick
         return turns, self._translation_tension != other._translation_tension
 
     def rotations(self, times: Array, joints: np.ndarray) -> Array:

@@ -45,6 +45,8 @@ class PoseSpline:
     ----------
     geodesics : PoseGeodesics
         Between the keys; the segments that are bent.
+    is_quick : array-like of bool, shape=[B]
+        Which joints were searched for quickly.
     """
 
     def __init__(
@@ -57,12 +59,12 @@ class PoseSpline:
         effort: Effort = "thorough",
     ) -> None:
         self._durations, self._tension = np.diff(times), tension
-        self._is_quick = np.full(keys.shape[1], effort == "quick")
+        self.is_quick = np.full(keys.shape[1], effort == "quick")
         self.geodesics = PoseGeodesics.between(keys[:-1], keys[1:], parameters, near, effort)
 
     def at_joints(self, joints: np.ndarray) -> PoseSpline:
         """Take some joints, by their indices, shape=[J]."""
-        return self._with(self.geodesics.at_joints(joints), self._tension[joints], self._is_quick[joints])
+        return self._with(self.geodesics.at_joints(joints), self._tension[joints], self.is_quick[joints])
 
     def with_curve(self, keys: Array, parameters: MetricParameters, tension: Array, effort: Effort) -> PoseSpline:
         """Take another metric and tension through the same keys; only joints whose metric differs are solved.
@@ -72,7 +74,7 @@ class PoseSpline:
         """
         geodesics, is_changed = self.geodesics, self.geodesics.parameters.differs(parameters)
         if effort == "thorough":
-            is_changed = is_changed | self._is_quick
+            is_changed = is_changed | self.is_quick
         changed = np.flatnonzero(is_changed)
         if len(changed):
             mine = parameters.at(changed)
@@ -82,12 +84,12 @@ class PoseSpline:
                 near = np.where(same_side[:, None], geodesics.velocity[:, changed], np.nan)
             solved = PoseGeodesics.between(keys[:-1, changed], keys[1:, changed], mine, near, effort)
             geodesics = geodesics.with_joints(changed, solved, parameters)
-        is_quick = self._is_quick | is_changed if effort == "quick" else np.zeros_like(is_changed)
+        is_quick = self.is_quick | is_changed if effort == "quick" else np.zeros_like(is_changed)
         return self._with(geodesics, tension, is_quick)
 
     def _with(self, geodesics: PoseGeodesics, tension: Array, is_quick: np.ndarray) -> PoseSpline:
         other = copy(self)
-        other.geodesics, other._tension, other._is_quick = geodesics, tension, is_quick
+        other.geodesics, other._tension, other.is_quick = geodesics, tension, is_quick
         for name in ("_ends", "_velocities"):
             other.__dict__.pop(name, None)
         return other

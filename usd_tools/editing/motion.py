@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from geomstats_anim import Animation, Skeleton, interpolate
+from geomstats_anim.markers import joint_matrices
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.downsampling.thinning import SampleSelection, sampled_alike
 from usd_tools.files.stages import open_stage
@@ -92,7 +93,7 @@ class EditableMotion:
         """Skeleton of the clip, metres."""
         return self.clip.skeleton
 
-    @property
+    @cached_property
     def samples(self) -> np.ndarray:
         """Time codes of the samples that can be keys, shape=[S]."""
         return self.clip.channels[self.selection.names[0]].codes
@@ -111,6 +112,11 @@ class EditableMotion:
             frames = slice(int(np.searchsorted(self.codes, first)), int(np.searchsorted(self.codes, last, "right")))
             parts.append(Part(span, animation, frames))
         return tuple(parts)
+
+    @cached_property
+    def matrices(self) -> np.ndarray:
+        """Return where the original's joints are in the world, shape=[F, B, 3, 4]; see `joint_matrices`."""
+        return joint_matrices(self.original)
 
     @cached_property
     def held(self) -> Animation:

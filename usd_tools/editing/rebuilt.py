@@ -9,10 +9,11 @@ import numpy as np
 
 from geomstats_anim import SCHEMES, Animation
 from geomstats_anim import rotations as quat
+from geomstats_anim.animation import descendants
 from geomstats_anim.geodesics.shortest import Effort
 from geomstats_anim.interpolation.curves import Curve, Fallback
 from geomstats_anim.interpolation.metric_schemes import Geodesic
-from geomstats_anim.markers import Markers, joint_matrices, world_errors
+from geomstats_anim.markers import place_some
 from geomstats_anim.names import WITH_METRIC
 from geomstats_anim.rotations import Array
 from usd_tools.editing.motion import EditableMotion
@@ -51,18 +52,22 @@ class RebuiltMotion:
         Through the keys of each stretch.
     effort : str
         How geodesics were searched for: "thorough", or "quick" for what is seen while a value is dragged.
-    animation : Animation
+    rotations, translations : array-like, shape=[F, B, 4], shape=[F, B, 3]
         At the frames.
     matrices : array-like, shape=[F, B, 3, 4]
-        Of its joints in the world, see `joint_matrices`.
+        Of joints in the world, see `joint_matrices`.
+    errors : EditErrors
+        Distances from the original.
     """
 
     motion: EditableMotion
     state: EditState
     curves: tuple[Curve, ...]
     effort: Effort
-    animation: Animation
+    rotations: Array
+    translations: Array
     matrices: Array
+    errors: EditErrors
 
     @classmethod
     def of(cls, motion: EditableMotion, state: EditState) -> RebuiltMotion:
@@ -73,8 +78,20 @@ class RebuiltMotion:
             SCHEMES[scheme](part.animation.at_frames(kept), metric)
             for part, kept in zip(motion.parts, state.keyframes(motion), strict=True)
         )
-        animation = _at(motion, curves, motion.held)
-        return cls(motion, state, curves, "thorough", animation, joint_matrices(animation))
+        shown = _at(motion, curves, motion.held)
+        blank, n_joints = np.zeros((len(motion.sampled), motion.skeleton.n_joints)), motion.skeleton.n_joints
+        new = cls(
+            motion,
+            state,
+            curves,
+            "thorough",
+            np.array(shown.rotations),
+            np.array(shown.translations),
+            np.empty((len(motion.codes), n_joints, 3, 4)),
+            EditErrors(motion.sampled, blank, blank.copy()),
+        )
+        new._place(np.arange(n_joints), np.arange(n_joints))
+        return new
 
     def following(self, state: EditState, effort: Effort = "thorough") -> RebuiltMotion:
         """Rebuild motion for another state, and of this motion take what both share."""
@@ -84,10 +101,20 @@ class RebuiltMotion:
             return RebuiltMotion.of(self.motion, state)
         if state.metric.scheme not in WITH_METRIC:
             return self
-        curves = tuple(curve.with_metric(state.metric, effort) for curve in self.curves if isinstance(curve, Geodesic))
-        animation = _at(self.motion, curves, self.motion.held)
-        matrices = joint_matrices(animation)
-        return replace(self, state=state, curves=curves, effort=effort, animation=animation, matrices=matrices)
+        errors = replace(self.errors, degrees=self.errors.degrees.copy(), centimetres=self.errors.centimetres.copy())
+        new = replace(
+            self,
+            state=state,
+            effort=effort,
+            curves=tuple(curve.with_metric(state.metric, effort) for curve in self._geodesics),
+            rotations=self.rotations.copy(),
+            translations=self.translations.copy(),
+            matrices=self.matrices.copy(),
+            errors=errors,
+        )
+        turned, moved = new._take_changes(self)
+        new._place(turned, np.union1d(turned, moved))
+        return new
 
     def at(self, times: Array) -> Animation:
         """Return the motion at any times, seconds, shape=[F]."""
@@ -96,21 +123,46 @@ class RebuiltMotion:
         values = {name: getattr(self.motion.held, name)[frame] for name in ("rotations", "translations")}
         return _at(self.motion, self.curves, replace(original, **values))
 
+    @cached_property
+    def animation(self) -> Animation:
+        """Return the motion at the frames."""
+        return replace(self.motion.original, rotations=self.rotations, translations=self.translations)
+
     @property
     def fallbacks(self) -> tuple[Fallback, ...]:
         """Segments that are slerped because their geodesic was not found."""
         return tuple(fallback for curve in self.curves for fallback in curve.fallbacks)
 
-    @cached_property
-    def errors(self) -> EditErrors:
-        """Distances from the original."""
-        frames = self.motion.sampled
-        ours, truth = self.animation.at_frames(frames), self.motion.original.at_frames(frames)
-        return EditErrors(
-            frames,
-            np.degrees(quat.distance(truth.rotations, ours.rotations)),
-            100.0 * world_errors(ours, truth, Markers.of_ends(truth.skeleton)),
-        )
+    @property
+    def _geodesics(self) -> tuple[Geodesic, ...]:
+        return tuple(curve for curve in self.curves if isinstance(curve, Geodesic))
+
+    def _take_changes(self, before: RebuiltMotion) -> tuple[np.ndarray, np.ndarray]:
+        """Write the values of joints whose curves differ from those before, and return which turn and which move."""
+        turned, moved = np.zeros((2, self.motion.skeleton.n_joints), dtype=bool)
+        for part, curve, old in zip(self.motion.parts, self._geodesics, before._geodesics, strict=True):
+            turns, moves = curve.differs(old)
+            times = self.motion.times[part.frames]
+            if turns.any():
+                joints = np.flatnonzero(turns)
+                self.rotations[part.frames, joints] = curve.rotations(times, joints)
+            if moves.any():
+                joints = np.flatnonzero(moves)
+                self.translations[part.frames, joints] = curve.translations(times, joints)
+            turned, moved = turned | turns, moved | moves
+        return np.flatnonzero(turned), np.flatnonzero(moved)
+
+    def _place(self, turned: np.ndarray, changed: np.ndarray) -> None:
+        """Write the matrices and errors of joints that have changed, and of all below them."""
+        truth, frames = self.motion.original, self.motion.sampled
+        below = descendants(truth.skeleton, changed)
+        place_some(truth, self.rotations, self.translations, below, self.matrices)
+        angles = quat.distance(truth.rotations[np.ix_(frames, turned)], self.rotations[np.ix_(frames, turned)])
+        self.errors.degrees[:, turned] = np.degrees(angles)
+        ends = truth.skeleton.bone_ends[below, :, None]
+        gaps = self.matrices[np.ix_(frames, below)] - self.motion.matrices[np.ix_(frames, below)]
+        moved = (gaps[..., :3] @ ends)[..., 0] + gaps[..., 3]
+        self.errors.centimetres[:, below] = 100.0 * np.sqrt((moved**2).sum(axis=-1))
 
 
 def _at(motion: EditableMotion, curves: tuple[Curve, ...], base: Animation) -> Animation:

@@ -254,7 +254,7 @@ class EditSession:
             times = np.atleast_1d(np.asarray(times, dtype=np.float64))
             original = name == "original"
             return joint_matrices(self._motion.original_at(times) if original else self._rebuilt(name).at(times))
-        matrices = self._original_matrices if name == "original" else self._rebuilt(name).matrices
+        matrices = self._motion.matrices if name == "original" else self._rebuilt(name).matrices
         return matrices if frames is None else matrices[frames]
 
     def errors(self, name: str = "ours") -> EditErrors:
@@ -363,10 +363,6 @@ class EditSession:
     @cached_property
     def _sha256(self) -> str:
         return stage_sha256(self.clip.source.stage)
-
-    @cached_property
-    def _original_matrices(self) -> Array:
-        return joint_matrices(self._motion.original)
 
     def _edited(self, edits: Step, state: EditState | None = None) -> EditState:
         state = self._states[-1] if state is None else state
