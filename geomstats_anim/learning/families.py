@@ -26,6 +26,10 @@ _TRIALS, _STARTS = 64, 1
 """Tilted matrices that every joint tries on each side, and descents from the best."""
 
 
+_GAINS = 1.0 - 1e-4
+"""What a contained optimum leaves of the value at most for a descent from there."""
+
+
 class Optimum(NamedTuple):
     """The best metric that is known of a family.
 
@@ -114,11 +118,11 @@ class Families:
             starts = self._tilt(search, scheme, invariance)
         else:
             starts = self._fit_diagonal(search, invariance)
-        search.descend(search.best_point, search.best_sides, EXACTLY)
+        search.descend(search.best_point, search.best_sides, EXACTLY if invariance == "joint" else ROUGHLY)
         own = search.best_value
         for optimum in contained:
             search.offer_by_joint(optimum.point, optimum.sides)
-        if search.best_value < own:
+        if search.best_value < _GAINS * own:
             search.descend(search.best_point, search.best_sides, EXACTLY)
         return self._optimum(search.best_point, search.best_sides, search.scale, starts)
 

@@ -57,7 +57,7 @@ def test_families_of_a_real_clip(clip):
     check_order(scores(animation, uniform_keyframes(animation.n_frames, 0.1)))
 
 
-@pytest.mark.parametrize("kind", ["loc", "rot", "hyb"])
+@pytest.mark.parametrize("kind", ["rot", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("loc", "hyb"))])
 def test_diagonal_families(kind):
     animation = wandering(3)
     found = {
