@@ -33,8 +33,8 @@ from geomstats_anim import (  # noqa: E402
     quality,
     uniform_keyframes,
 )
-from geomstats_anim.criteria import location_errors  # noqa: E402
 from geomstats_anim.keyframes import coarse_to_fine  # noqa: E402
+from geomstats_anim.markers import Markers, world_errors  # noqa: E402
 from usd_tools.files.stages import open_stage  # noqa: E402
 from usd_tools.skel.clip import read_clip  # noqa: E402
 from usd_tools.skel.find import find_animations  # noqa: E402
@@ -88,17 +88,19 @@ def at_rate(name: str, animation: Animation, rate: float) -> Cell:
     return Cell(name, rate, str(len(uniform)), chosen / base, learned / base)
 
 
-def at_tolerance(name: str, animation: Animation, tolerance: float) -> Cell:
+def at_tolerance(name: str, animation: Animation, tolerance: float, measure: str) -> Cell:
     """Fewest keys, as a share of the equally spaced ones that slerp needs; every number of those is tried."""
+    markers = Markers.of_bones(animation.skeleton) if measure == "ends" else Markers.of_shell(animation)
 
     def largest(keys: np.ndarray) -> float:
-        return float(location_errors(interpolate(animation.at_frames(keys), animation.times, "slerp"), animation).max())
+        rebuilt = interpolate(animation.at_frames(keys), animation.times, "slerp")
+        return float(world_errors(rebuilt, animation, markers).max())
 
     n_frames = animation.n_frames
     counts = (uniform_keyframes(n_frames, count / n_frames) for count in range(2, n_frames + 1))
     needed = len(next(keys for keys in counts if largest(keys) <= tolerance))
-    slerp = len(optimal_keyframes(animation, tolerance=tolerance))
-    ours = len(compress([animation], tolerance=tolerance).keyframes[0])
+    slerp = len(optimal_keyframes(animation, tolerance=tolerance, markers=markers))
+    ours = len(compress([animation], tolerance=tolerance, markers=markers).keyframes[0])
     return Cell(name, tolerance, f"{ours} / {slerp} / {needed} of {n_frames}", slerp / needed, ours / needed)
 
 
@@ -205,10 +207,11 @@ def main() -> int:
         show("Q_hyb of as many keys, as a share of uniform slerp's", rates, (SLERP_BARS, LEARNED_BARS), args.markdown)
     ]
     bar = (TOLERANCE_BAR, TOLERANCE_BAR)
-    within = [at_tolerance(name, clip, cm) for name, clip in clips.items() for cm in TOLERANCES]
     loose = (np.inf, np.inf)  # slerp's keys are shown for comparison
-    title = "Keys within a tolerance in metres, as a share of uniform slerp's: ours / slerp's / uniform"
-    met.append(show(title, within, (loose, bar), args.markdown))
+    for measure in ("ends", "shell"):
+        within = [at_tolerance(name, clip, cm, measure) for name, clip in clips.items() for cm in TOLERANCES]
+        title = f"Keys within a tolerance in metres ({measure}), as a share of uniform slerp's: ours / slerp's / uniform"
+        met.append(show(title, within, (loose, bar), args.markdown))
     for n_frames, (seconds_bar, mib_bar) in LONG.items():
         if args.quick and n_frames > 300:
             continue

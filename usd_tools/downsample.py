@@ -198,8 +198,9 @@ def _add_choice(parse: ArgumentParser) -> None:
     parse.add_argument(
         "--measure",
         choices=MEASURES,
-        help="points that --tolerance is about: joints and bone ends (ends, the default), which twists about a bone's "
-        "own axis do not move; points around the joints too (shell); or the points of the skin too (skin)",
+        help="points that --tolerance is about: joints, bone ends and points around the joints (shell, the default); "
+        "joints and bone ends alone (ends), which twists about a bone's own axis do not move; or the points of the skin "
+        "too (skin)",
     )
     parse.add_argument(
         "--shell",

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from pxr import Usd, UsdGeom, UsdSkel
+from real_files import needs_shared, real_file
 from rigs import ANIMATION, SKELETON, make_rig, random_rotations, set_samples
 
 
@@ -149,7 +150,20 @@ def test_names_that_are_no_paths(tmp_path, run, inspected, names):
     bad = next(name for name in names if " " in name or "." in name)
     assert len(told) == 1 and told[0].startswith(SKELETON) and repr(bad) in told[0]
     code, _, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--factor", 2)
-    assert code == 0 and err.count(told[0]) == 1
+    assert code == 0 and err.count(told[0]) == 1 and "Ill-formed" not in err
+
+
+@needs_shared
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("range_4800_4800", "/Root/Anim: the stage's range, 4800 to 4800, misses all samples, which are at 20 to 160"),
+        ("names_with_spaces", "/Root/Skel: 2 joint names with spaces or dots, such as 'Bip001 Pelvis', cannot be"),
+    ],
+)
+def test_what_to_beware_of_in_files_of_strangers(inspected, name, told):
+    (warning,) = inspected(real_file(f"strangers/{name}.usda"))["warnings"]
+    assert warning.startswith(told)
 
 
 @pytest.mark.parametrize(("metres_per_unit", "is_doubtful"), [(0.01, False), (1.0, False), (1e-4, True), (10.0, True)])

@@ -37,10 +37,10 @@ class Measure:
 
     def __init__(self, clip: SkelClip, options: DownsampleOptions) -> None:
         self.markers, self.shown = Markers.of_bones(clip.skeleton), Markers.of_ends(clip.skeleton)
-        if options.measure == "shell":
+        if options.measured == "shell":
             self.markers = self.shown = Markers.of_shell(animation_of(clip), 0.01 * options.shell_centimetres)
         self._chosen = np.arange(self.markers.n_markers)
-        if options.measure == "skin" and clip.joints:
+        if options.measured == "skin" and clip.joints:
             skin = skin_markers(clip)
             if not skin.n_markers:
                 raise ToolError(

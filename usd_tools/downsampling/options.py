@@ -47,7 +47,7 @@ class DownsampleOptions(OutputOptions):
     measure : str
         Points that the tolerance is about: "ends", the joints and the ends of their bones; "shell", points around the
         joints too, which twists move; "skin", the points of the meshes that the skeleton deforms too.
-        Optional, default: "ends".
+        Optional, default: "shell".
     shell : float
         Distance of a shell from the joints, centimetres.
         Optional, default: 3.
@@ -98,14 +98,19 @@ class DownsampleOptions(OutputOptions):
             raise UsageError(f"--kind {self.kind} needs --rate or --keys; --tolerance always uses the largest distance")
         if self.measure is not None and self.criterion != LARGEST:
             raise UsageError(f"--measure {self.measure} goes with --tolerance or --kind {LARGEST}")
-        if self.shell is not None and self.measure != "shell":
-            raise UsageError("--shell goes with --measure shell")
+        if self.shell is not None and self.measured != "shell":
+            raise UsageError("--shell goes with --tolerance and --measure shell")
         if self.keep is not None and self.select == "uniform":
             raise UsageError("--keep needs --select optimal")
         if self.family is not None and self.scheme not in WITH_METRIC:
             raise UsageError(
                 f"--scheme {self.scheme} has no metric, so it has no family; leave out --family {self.family}"
             )
+
+    @property
+    def measured(self) -> str:
+        """Points that errors are about."""
+        return self.measure or ("shell" if self.criterion == LARGEST else "ends")
 
     @property
     def shell_centimetres(self) -> float:

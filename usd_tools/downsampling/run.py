@@ -144,7 +144,7 @@ def _described(
 ) -> tuple[DownsampledAnimation, ...]:
     animations = tuple(describe(each, options.weights_tolerance) for each in clips)
     for animation in animations:
-        if options.tolerance is None or options.measure not in (None, "ends"):
+        if options.tolerance is None or options.measured != "ends":
             continue
         sentence = twist_sentence(animation, options.tolerance)
         if sentence is not None:

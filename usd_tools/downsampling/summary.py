@@ -103,7 +103,7 @@ def twist_sentence(animation: DownsampledAnimation, tolerance: float) -> str | N
     joint, code = _short_name(animation, turned["joint"]), turned["time_code"]
     return (
         f"{animation.prim}: bone ends are within {tolerance:g} cm, but joint {joint} is off by {turned['degrees']:.3g} "
-        f"degrees at time code {code:g}, since twists barely move bone ends; add --measure shell, or --keep {code:g}."
+        f"degrees at time code {code:g}, since twists barely move bone ends; use --measure shell, or --keep {code:g}."
     )
 
 

@@ -18,8 +18,9 @@ TEMPORARY = "geomstats_anim-"
 LONGEST = 400
 """Characters of a message of OpenUSD: for a broken file it may list every part."""
 
-_PACKED = re.compile(r"Failed to resolve reference @\d+/")
-"""Start of a warning when OpenUSD packs: it does not find files under the new names that it gives them itself."""
+_TOLD = re.compile(r"Failed to resolve reference @\d+/|Ill-formed SdfPath <")
+"""Starts of warnings that say nothing new: when OpenUSD packs, it does not find files under the new names that it gives
+them itself; of joint names that are no paths it warns one by one, `names_note` of all."""
 
 
 def commentary(error: Tf.ErrorException) -> str:
@@ -89,7 +90,7 @@ def usd_warnings(messages: Messages) -> Iterator[None]:
         _listening.remove(listener)
         _take(listener)
         for line in listener[1]:
-            if not _PACKED.match(line):
+            if not _TOLD.match(line):
                 messages.warn(line)
 
 

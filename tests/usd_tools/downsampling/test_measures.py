@@ -63,11 +63,11 @@ def make_twisting(path):
 @pytest.mark.parametrize("shell", [3.0, 0.5])
 def test_twists_stay_within_a_shell(tmp_path, run, shell):
     make_twisting(tmp_path / "in.usda")
-    _, err = rebuilt(tmp_path, run, tmp_path / "in.usda", "--tolerance", 0.1, "--scheme", "slerp")
-    assert "twists barely move bone ends; add --measure shell" in err
+    options = ["--tolerance", 0.1, "--scheme", "slerp"]
+    _, err = rebuilt(tmp_path, run, tmp_path / "in.usda", *options, "--measure", "ends")
+    assert "twists barely move bone ends; use --measure shell" in err
     assert len(read(tmp_path / "sparse.usda")[0]) == 2
-    options = ["--tolerance", 0.1, "--measure", "shell", "--shell", shell, "--scheme", "slerp"]
-    _, err = rebuilt(tmp_path, run, tmp_path / "in.usda", *options)
+    _, err = rebuilt(tmp_path, run, tmp_path / "in.usda", *options, *([] if shell == 3.0 else ["--shell", shell]))
     assert "twists" not in err
     turns = [
         Rotation.from_quat(np.array(read(path)[1])[:, 2]) for path in (tmp_path / "in.usda", tmp_path / "back.usda")
@@ -81,8 +81,9 @@ def test_twists_stay_within_a_shell(tmp_path, run, shell):
     ("options", "sentence"),
     [
         ({"rate": 0.5, "measure": "shell"}, "--measure shell goes with --tolerance or --kind max"),
-        ({"tolerance": 1.0, "shell": 2.0}, "--shell goes with --measure shell"),
-        ({"tolerance": 1.0, "measure": "skin", "shell": 2.0}, "--shell goes with --measure shell"),
+        ({"rate": 0.5, "shell": 2.0}, "--shell goes with --tolerance and --measure shell"),
+        ({"tolerance": 1.0, "measure": "ends", "shell": 2.0}, "--shell goes with --tolerance and --measure shell"),
+        ({"tolerance": 1.0, "measure": "skin", "shell": 2.0}, "--shell goes with --tolerance and --measure shell"),
     ],
 )
 def test_options_that_do_not_go_together(options, sentence):
