@@ -210,7 +210,9 @@ def main() -> int:
     loose = (np.inf, np.inf)  # slerp's keys are shown for comparison
     for measure in ("ends", "shell"):
         within = [at_tolerance(name, clip, cm, measure) for name, clip in clips.items() for cm in TOLERANCES]
-        title = f"Keys within a tolerance in metres ({measure}), as a share of uniform slerp's: ours / slerp's / uniform"
+        title = (
+            f"Keys within a tolerance in metres ({measure}), as a share of uniform slerp's: ours / slerp's / uniform"
+        )
         met.append(show(title, within, (loose, bar), args.markdown))
     for n_frames, (seconds_bar, mib_bar) in LONG.items():
         if args.quick and n_frames > 300:

@@ -199,7 +199,7 @@ def _add_choice(parse: ArgumentParser) -> None:
         "--measure",
         choices=MEASURES,
         help="points that --tolerance is about: joints, bone ends and points around the joints (shell, the default); "
-        "joints and bone ends alone (ends), which twists about a bone's own axis do not move; or the points of the skin "
+        "joints and bone ends alone (ends), which twists about a bone's axis do not move; or the points of the skin "
         "too (skin)",
     )
     parse.add_argument(

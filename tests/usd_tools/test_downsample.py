@@ -349,7 +349,9 @@ def twisting(tmp_path):
 
 def test_a_twist_that_no_bone_end_shows_is_told(tmp_path, twisting, run):
     report, out = tmp_path / "report.json", tmp_path / "out.usda"
-    code, said, err = run("downsample", twisting, "-o", out, "--tolerance", ".1", "--measure", "ends", "--report", report)
+    code, said, err = run(
+        "downsample", twisting, "-o", out, "--tolerance", ".1", "--measure", "ends", "--report", report
+    )
     animation = json.loads(report.read_text())["animations"][0]
     worst = animation["largest_rotation_error"]
     assert code == 0 and animation["rebuilt"]["centimetres"]["largest"] <= 0.1
