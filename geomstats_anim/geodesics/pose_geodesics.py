@@ -30,6 +30,7 @@ from geomstats_anim.kernels import shooting as boundary_value
 from geomstats_anim.kernels.rigid_body import playback
 from geomstats_anim.kernels.sensitivity import pull_back
 from geomstats_anim.kernels.threads import in_threads
+from geomstats_anim.kernels.variations import vary
 from geomstats_anim.parameters import MetricParameters
 from geomstats_anim.rotations import Array
 
@@ -89,6 +90,28 @@ class LogResult(NamedTuple):
     residual: Array
     length: Array
     iterations: np.ndarray
+
+
+class Variations(NamedTuple):
+    """Derivatives of poses along geodesics.
+
+    Variations of poses are angular velocities in the frame where the metric is constant: the body's for a
+    left-invariant joint, the parent's for a right-invariant one.
+
+    Attributes
+    ----------
+    by_initial : array-like, shape=[F, B, 3, 3]
+        By the variation of the initial pose, with the same velocity.
+    by_velocity : array-like, shape=[F, B, 3, 3]
+        By the velocity at parameter 0.
+    by_metric : array-like, shape=[F, B, 3, 5]
+        By log alpha, log beta, and a rotation vector that turns the axes from the left, P -> exp(v) P, at fixed
+        velocity.
+    """
+
+    by_initial: Array
+    by_velocity: Array
+    by_metric: Array
 
 
 class PoseGeodesics:
@@ -263,6 +286,39 @@ class PoseGeodesics:
         # the inverse of a turn with the body velocity x moves a pose R with the body velocity -R^T x
         inward = -quat.rotate(quat.conjugate(rotations), outward)
         return np.where(self.parameters.is_right[:, None], inward, outward)
+
+    def variations(self, index: np.ndarray, parameter: Array) -> Variations:
+        """Differentiate poses along the geodesics by where they start, how fast, and by the metric.
+
+        Parameters
+        ----------
+        index, parameter : array-like, shape=[F]
+            As in a call.
+
+        Returns
+        -------
+        variations : Variations
+        """
+        turned = self.turns(index, parameter)
+        varied = np.zeros((*turned.shape[:2], 5, 3))
+        self._for_samples(vary, index, parameter, varied)
+        parameters, moments = self.parameters, self.parameters.moments
+        by_momentum, by_moments = np.moveaxis(varied[:, :, :3], -1, -2), np.moveaxis(varied[:, :, 3:], -1, -2)
+        velocity = parameters.along_axes(np.where(parameters.is_right, -1.0, 1.0)[:, None] * self.velocity)[index]
+        by_velocity = by_momentum * moments[:, None]
+        # at fixed velocity, the momentum grows with the moments
+        by_moments = by_moments + by_velocity[..., 1:] * velocity[..., None, 1:]
+        # a turn of the axes by v turns the velocity along them by v, and the turn itself from both sides
+        hat = -np.cross(np.eye(3), velocity[..., None, :])
+        by_axes = by_velocity @ hat + np.eye(3) - quat.to_matrix(quat.conjugate(turned))
+        by_metric = np.concatenate([by_moments, by_axes], axis=-1)
+
+        axes = quat.to_matrix(parameters.axes_quaternions)
+        back = np.moveaxis(axes, -1, -2)
+        outward = np.where(parameters.is_right, -1.0, 1.0)[:, None, None]
+        turn = quat.multiply(quat.conjugate(parameters.axes_quaternions), turned)
+        turn = quat.multiply(turn, np.broadcast_to(parameters.axes_quaternions, turn.shape))
+        return Variations(quat.to_matrix(quat.conjugate(turn)), back @ by_velocity @ axes, outward * (back @ by_metric))
 
     def pull_back(self, index: np.ndarray, parameter: Array, rotations: Array, cotangent: Array) -> Array:
         """Pull the derivative of a scalar by poses back to one by the metric, the end poses fixed.

@@ -10,10 +10,10 @@ from typing import Self
 import numpy as np
 
 from geomstats_anim.animation import Animation
+from geomstats_anim.geodesics.exponential import Rates
 from geomstats_anim.geodesics.pose_geodesics import LogStatus
 from geomstats_anim.geodesics.shortest import Effort
 from geomstats_anim.interpolation.curves import Curve, Fallback, Metric, locate, through_keys
-from geomstats_anim.interpolation.exponential import Rates
 from geomstats_anim.interpolation.splines import PathSpline, PoseSpline
 from geomstats_anim.learned_metric import LearnedMetric
 from geomstats_anim.parameters import CurveParameters, MetricParameters

@@ -6,8 +6,8 @@ import numpy as np
 
 from geomstats_anim import rotations as quat
 from geomstats_anim.animation import Animation
+from geomstats_anim.geodesics.exponential import Rates, bent_rates, logarithm_rates
 from geomstats_anim.interpolation.curves import Curve, Metric, times_at
-from geomstats_anim.interpolation.exponential import Rates, bent_rates, logarithm_rates
 from geomstats_anim.learned_metric import LearnedMetric
 from geomstats_anim.names import WITH_METRIC
 from geomstats_anim.rotations import Array

@@ -14,9 +14,9 @@ import numpy as np
 
 from geomstats_anim import rotations as quat
 from geomstats_anim.geodesics.end_velocities import EndVelocities
+from geomstats_anim.geodesics.exponential import Rates, bent_rates
 from geomstats_anim.geodesics.pose_geodesics import PoseGeodesics
 from geomstats_anim.geodesics.shortest import Effort
-from geomstats_anim.interpolation.exponential import Rates, bent_rates
 from geomstats_anim.interpolation.tangents import KeyVelocities, hermite
 from geomstats_anim.kernels import bending
 from geomstats_anim.parameters import MetricParameters

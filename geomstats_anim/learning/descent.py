@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from geomstats_anim.interpolation.exponential import left_jacobian
+from geomstats_anim.geodesics.exponential import left_jacobian
 from geomstats_anim.learning.batched_bfgs import batched_bfgs
 from geomstats_anim.learning.learnable import Found, Learnable
 from geomstats_anim.names import MAX_TENSION

@@ -12,18 +12,17 @@ from typing import Any
 import geomstats.backend as gs
 import numpy as np
 from geomstats.errors import check_integer
-from geomstats.geometry.riemannian_metric import RiemannianMetric
 
 from geomstats_anim import rotations as quat
-from geomstats_anim.parameters import MetricParameters
 from geomstats_anim.riemannian import matrices as mat
 from geomstats_anim.riemannian.matrices import PoseMatrices
 from geomstats_anim.riemannian.solvers import GeodesicExpSolver, GeodesicLogSolver
+from geomstats_anim.riemannian.tensors import TensorMetric
 from geomstats_anim.riemannian.transport import transport
 from geomstats_anim.rotations import Array
 
 
-class CompiledMetric(RiemannianMetric):
+class CompiledMetric(TensorMetric):
     """Invariant metric on SO(3)^B, or on SO(3) with points that have no axis of bones.
 
     A subclass sets what is below, and calls `_instantiate_solvers`.
@@ -32,12 +31,6 @@ class CompiledMetric(RiemannianMetric):
     ----------
     parameters : MetricParameters
     """
-
-    parameters: MetricParameters
-    _matrices: Array
-    """Matrices at the identity, shape=[B, 3, 3]."""
-    _scale: Array
-    """Multiples of the matrices of the parameters that they are, shape=[B]."""
 
     def _instantiate_solvers(self) -> None:
         self._arrays = PoseMatrices(self._space.shape, self.parameters)
@@ -65,8 +58,7 @@ class CompiledMetric(RiemannianMetric):
         base = self._arrays.read_points(base_point, "base_point")
         velocity_a = self._arrays.read_velocities(tangent_vec_a, base, "tangent_vec_a")
         velocity_b = self._arrays.read_velocities(tangent_vec_b, base, "tangent_vec_b")
-        momentum_b = (self._matrices @ velocity_b[..., None])[..., 0]
-        product = 2.0 * np.einsum("...bi,...bi->...", velocity_a, momentum_b)
+        product = self._product(velocity_a, velocity_b)
         return self._arrays.write(product, product.shape)
 
     def coordinates(self, tangent_vec: Any, base_point: Any = None) -> Any:

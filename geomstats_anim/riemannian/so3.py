@@ -7,7 +7,6 @@ from typing import Any
 import geomstats.backend as gs
 import numpy as np
 from geomstats.geometry.invariant_metric import _InvariantMetricMatrix
-from geomstats.geometry.matrices import Matrices
 from geomstats.geometry.special_orthogonal import _SpecialOrthogonalMatrices
 
 from geomstats_anim.parameters import MetricParameters
@@ -117,13 +116,7 @@ class SO3InvariantMetric(CompiledMetric, _InvariantMetricMatrix):
         curvature : array-like, shape=[..., 3, 3]
             Tangent vector at the identity.
         """
-        nabla = self.connection_at_identity
-        bracket = (1.0 if self.left else -1.0) * Matrices.bracket(tangent_vec_a, tangent_vec_b)
-        return (
-            nabla(bracket, tangent_vec_c)
-            - nabla(tangent_vec_a, nabla(tangent_vec_b, tangent_vec_c))
-            + nabla(tangent_vec_b, nabla(tangent_vec_a, tangent_vec_c))
-        )
+        return self.curvature(tangent_vec_a, tangent_vec_b, tangent_vec_c)
 
     def sectional_curvature_at_identity(self, tangent_vec_a: Any, tangent_vec_b: Any) -> Any:
         """Compute the sectional curvature at the identity of the planes that two tangent vectors span.
@@ -142,9 +135,4 @@ class SO3InvariantMetric(CompiledMetric, _InvariantMetricMatrix):
         sectional_curvature : array-like, shape=[...]
             0 where the vectors span no plane.
         """
-        curvature = self.curvature_at_identity(tangent_vec_a, tangent_vec_b, tangent_vec_a)
-        along = self.inner_product_at_identity(curvature, tangent_vec_b)
-        squares = self.squared_norm(tangent_vec_a) * self.squared_norm(tangent_vec_b)
-        area = squares - self.inner_product_at_identity(tangent_vec_a, tangent_vec_b) ** 2
-        spans = area > 1e-14 * squares
-        return gs.where(spans, along / gs.where(spans, area, gs.ones_like(area)), gs.zeros_like(area))
+        return self.sectional_curvature(tangent_vec_a, tangent_vec_b)

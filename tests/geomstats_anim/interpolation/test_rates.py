@@ -8,7 +8,7 @@ import samples
 
 from geomstats_anim import SCHEMES, LearnedMetric, MetricParameters
 from geomstats_anim import rotations as quat
-from geomstats_anim.interpolation.exponential import Rates, exponential_rates, logarithm_rates
+from geomstats_anim.geodesics.exponential import Rates, exponential_rates, logarithm_rates
 
 SIDES = pytest.mark.parametrize("side", ["left", "right"])
 STEP = 2e-3

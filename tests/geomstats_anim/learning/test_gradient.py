@@ -7,7 +7,7 @@ from wanderings import N_JOINTS, metric, noise, real, wandering
 
 from geomstats_anim import Animation, MetricParameters, interpolate, uniform_keyframes
 from geomstats_anim import rotations as quat
-from geomstats_anim.interpolation.exponential import left_jacobian
+from geomstats_anim.geodesics.exponential import left_jacobian
 from geomstats_anim.learning.descent import BOUND
 from geomstats_anim.learning.gradient import search_gradient
 from geomstats_anim.learning.objective import Objective
