@@ -13,7 +13,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from geomstats_anim.names import CRITERIA, DEFAULT_SCHEME, FAMILIES, MEASURES, SCHEME_NAMES, SELECTIONS
-from usd_tools.console.arguments import add_output, add_prim, positive_number, share, time_codes, whole_number
+from usd_tools.batch.tasks import is_batch
+from usd_tools.console.arguments import (
+    add_inputs,
+    add_output,
+    add_prim,
+    add_several,
+    positive_number,
+    share,
+    time_codes,
+    whole_number,
+)
 from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.progress import ProgressBar, ProgressCallback
@@ -148,8 +158,8 @@ def parser(prog: str = PROG) -> ArgumentParser:
         "unchanged. OUT does not need the samples of IN, and plays in any viewer, which shows slerp between the "
         "kept samples.",
     )
-    parse.add_argument("input", metavar="IN", type=Path, help="USD file")
-    parse.add_argument("-o", "--out", metavar="OUT", type=Path, help="USD file to write")
+    add_inputs(parse)
+    parse.add_argument("-o", "--out", metavar="OUT", type=Path, help="USD file or folder to write")
     _add_choice(parse)
     _add_metric(parse)
     add_prim(parse)
@@ -162,6 +172,7 @@ def parser(prog: str = PROG) -> ArgumentParser:
         help="draw the kept samples over the speed of the motion: .png, .svg or .pdf",
     )
     parse.add_argument("-v", "--verbose", action="store_true", help="print the errors of every joint")
+    add_several(parse)
     return parse
 
 
@@ -250,11 +261,17 @@ def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
 
     def command() -> int:
         options = DownsampleOptions.from_args(args)
+        if is_batch(args):
+            from usd_tools.batch.command import run_verb
+            from usd_tools.downsampling.run import downsample_file
+
+            return run_verb("usd_tools.downsample", downsample_file, args, options, for_one=("picture",))
+        (source,) = args.input
         with ProgressBar() as bar:
-            result = downsample(args.input, args.out, options, progress=bar, warn=print_warning)
+            result = downsample(source, args.out, options, progress=bar, warn=print_warning)
         from usd_tools.downsampling.summary import print_summary
 
-        print_summary(result, args.input, args.verbose)
+        print_summary(result, source, args.verbose)
         return 0
 
     return run(command, parse.error)

@@ -11,9 +11,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from usd_tools.batch.tasks import is_batch
 from usd_tools.bvh.options import UP_AXES, FromBvhOptions
 from usd_tools.bvh.result import FromBvhResult
-from usd_tools.console.arguments import add_format, positive_number
+from usd_tools.console.arguments import add_format, add_inputs, add_several, positive_number
 from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.progress import ProgressBar, ProgressCallback
@@ -140,8 +141,8 @@ def parser(prog: str = PROG) -> ArgumentParser:
         description="Convert a BVH file to UsdSkel. Its numbers stay as they are. BVH has no unit and no up axis: "
         "--scale and --up name them, and are stored beside the numbers.",
     )
-    parse.add_argument("input", metavar="IN", type=Path, help="BVH file")
-    parse.add_argument("-o", "--out", metavar="OUT", type=Path, required=True, help="USD file to write")
+    add_inputs(parse, "BVH file")
+    parse.add_argument("-o", "--out", metavar="OUT", type=Path, required=True, help="USD file or folder to write")
     parse.add_argument(
         "--scale",
         metavar="METRES_PER_UNIT",
@@ -156,6 +157,8 @@ def parser(prog: str = PROG) -> ArgumentParser:
     parse.add_argument("--skip-first", action="store_true", help="leave out the first frame, often a rest pose")
     parse.add_argument("--up", choices=UP_AXES, default="Y", help="axis of IN that points up; default: Y")
     add_format(parse)
+    parse.add_argument("--report", metavar="FILE", type=Path, help="write a report as JSON")
+    add_several(parse)
     return parse
 
 
@@ -166,12 +169,18 @@ def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
 
     def command() -> int:
         options = FromBvhOptions.from_args(args)
+        if is_batch(args):
+            from usd_tools.batch.command import run_verb
+            from usd_tools.bvh.convert import from_bvh_file
+
+            return run_verb("usd_tools.from_bvh", from_bvh_file, args, options, extensions=(".bvh",), suffix=".usdc")
+        (source,) = args.input
         with ProgressBar() as bar:
-            result = from_bvh(args.input, args.out, options, progress=bar, warn=print_warning)
+            result = from_bvh(source, args.out, options, progress=bar, warn=print_warning)
         from usd_tools.skel.rate_advice import written_at
 
         joints, frames = counted(result.joints, "joint"), counted(result.frames, "frame")
-        say(f"{args.input}: {joints}, {result.height_metres:.3g} m high at rest; {frames}.")
+        say(f"{source}: {joints}, {result.height_metres:.3g} m high at rest; {frames}.")
         say(written_at(args.out, result.rate))
         return 0
 

@@ -11,7 +11,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from usd_tools.console.arguments import add_output, add_prim
+from usd_tools.batch.tasks import is_batch
+from usd_tools.console.arguments import add_inputs, add_output, add_prim, add_several
 from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.progress import ProgressBar, ProgressCallback
@@ -140,8 +141,8 @@ def parser(prog: str = PROG) -> ArgumentParser:
         "nowhere else: joints, blend shapes and the transforms that move a character. Source samples on such frames "
         "are kept bit for bit, unless --antialias filters them; cuts, holds and value blocks stay.",
     )
-    parse.add_argument("input", metavar="IN", type=Path, help="USD file")
-    parse.add_argument("-o", "--out", metavar="OUT", type=Path, help="USD file to write; .usdz packs the source too")
+    add_inputs(parse)
+    parse.add_argument("-o", "--out", metavar="OUT", type=Path, help="USD file, or folder, to write; .usdz packs all")
     parse.add_argument("--fps", metavar="F", type=typed_rate, required=True, help="samples per second")
     parse.add_argument(
         "--antialias",
@@ -162,6 +163,7 @@ def parser(prog: str = PROG) -> ArgumentParser:
     parse.add_argument("--dry-run", action="store_true", help="compute, but write no OUT")
     parse.add_argument("--report", metavar="FILE", type=Path, help="write a report as JSON")
     parse.add_argument("-v", "--verbose", action="store_true", help="print details, and warn of every doubtful step")
+    add_several(parse)
     return parse
 
 
@@ -172,8 +174,14 @@ def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
 
     def command() -> int:
         options = ResampleOptions.from_args(args)
+        if is_batch(args):
+            from usd_tools.batch.command import run_verb
+            from usd_tools.resampling.run import resample_file
+
+            return run_verb("usd_tools.resample", resample_file, args, options)
+        (source,) = args.input
         with ProgressBar() as bar:
-            result = resample(args.input, args.out, options, progress=bar, warn=print_warning)
+            result = resample(source, args.out, options, progress=bar, warn=print_warning)
         from usd_tools.upsampling.summary import print_summary
 
         print_summary(result, options.verbose)

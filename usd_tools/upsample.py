@@ -12,7 +12,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from usd_tools.console.arguments import add_output, add_prim, time_codes, whole_number
+from usd_tools.batch.tasks import is_batch
+from usd_tools.console.arguments import add_inputs, add_output, add_prim, add_several, time_codes, whole_number
 from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.progress import ProgressBar, ProgressCallback
@@ -150,8 +151,8 @@ def parser(prog: str = PROG) -> ArgumentParser:
         "is kept bit for bit. The output is a layer over the source and references it; --flatten copies "
         "everything but textures into the output; a name that ends in .usdz packs all files.",
     )
-    parse.add_argument("input", metavar="IN", type=Path, help="USD file")
-    parse.add_argument("-o", "--out", metavar="OUT", type=Path, help="USD file to write; .usdz packs the source too")
+    add_inputs(parse)
+    parse.add_argument("-o", "--out", metavar="OUT", type=Path, help="USD file, or folder, to write; .usdz packs all")
     _add_times(parse)
     add_cuts(parse)
     add_metric(parse)
@@ -160,6 +161,7 @@ def parser(prog: str = PROG) -> ArgumentParser:
     parse.add_argument("--dry-run", action="store_true", help="compute, but write no OUT")
     parse.add_argument("--report", metavar="FILE", type=Path, help="write a report as JSON")
     parse.add_argument("-v", "--verbose", action="store_true", help="print details, and warn of every doubtful step")
+    add_several(parse)
     return parse
 
 
@@ -190,8 +192,14 @@ def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
 
     def command() -> int:
         options = UpsampleOptions.from_args(args)
+        if is_batch(args):
+            from usd_tools.batch.command import run_verb
+            from usd_tools.upsampling.run import upsample_file
+
+            return run_verb("usd_tools.upsample", upsample_file, args, options)
+        (source,) = args.input
         with ProgressBar() as bar:
-            result = upsample(args.input, args.out, options, progress=bar, warn=print_warning)
+            result = upsample(source, args.out, options, progress=bar, warn=print_warning)
         from usd_tools.upsampling.summary import print_summary
 
         print_summary(result, options.verbose)

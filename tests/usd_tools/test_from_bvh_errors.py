@@ -205,7 +205,7 @@ def test_nothing_but_a_sentence_comes_of_a_broken_file(scratch, data):
 def test_missing_file(tmp_path, refused):
     assert refused() == "in.bvh: there is no such file."
     (tmp_path / "in.bvh").mkdir()
-    assert refused() == "in.bvh is not a file; name a BVH file."
+    assert refused() == "--out out.usda is a file; name a folder, for IN is a folder or several files."
 
 
 def test_skip_first_of_one(tmp_path, refused):

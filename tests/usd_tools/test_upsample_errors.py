@@ -31,7 +31,9 @@ def test_missing_file(tmp_path, refused):
 
 def test_folder(tmp_path, refused):
     sentence = refused(tmp_path, "-o", tmp_path / "out.usda", "--factor", 2)
-    assert sentence == f"{tmp_path} is not a file; name a USD file."
+    assert sentence == "--out out.usda is a file; name a folder, for IN is a folder or several files."
+    sentence = refused(tmp_path, "-o", tmp_path / "out", "--factor", 2)
+    assert sentence == f"{tmp_path} contains no file that ends in .usd, .usda, .usdc or .usdz, nor do its subfolders."
 
 
 def test_not_usd(tmp_path, refused):

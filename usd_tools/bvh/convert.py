@@ -12,17 +12,17 @@ from geomstats_anim import Skeleton
 from geomstats_anim.rotations import IDENTITY
 from usd_tools.bvh.options import FromBvhOptions
 from usd_tools.bvh.reader import Bvh, read_bvh
-from usd_tools.bvh.result import FromBvhResult
+from usd_tools.bvh.result import TOOL, FromBvhResult
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.progress import Progress, ProgressCallback
+from usd_tools.files.atomic import write_json
 from usd_tools.files.openusd_errors import openusd_errors
 from usd_tools.files.paths import check_usd_output, same_file
 from usd_tools.skel.edit_target import EditTargetLayer
 from usd_tools.skel.joint_names import joint_paths, unique
 from usd_tools.skel.new_file import Character, Units, add_character, new_stage
+from usd_tools.skel.output import check_report
 from usd_tools.skel.writer import made_by, save_layer
-
-TOOL = "usd_tools.from_bvh"
 
 
 @openusd_errors()
@@ -35,6 +35,7 @@ def from_bvh_file(
 ) -> FromBvhResult:
     """Convert a BVH file to a USD file; see `usd_tools.from_bvh.from_bvh`."""
     check_usd_output(out, options.usd_format)
+    check_report(options.report, source, out)
     if same_file(out, [source]):
         raise ToolError(f"--out {out} is the input itself; choose another name.")
     messages, steps = Messages(warn), Progress(progress, 3, "Reading")
@@ -46,7 +47,10 @@ def from_bvh_file(
     steps.advance(1, "Writing")
     save_layer(layer, out, options.usd_format)
     steps.advance(1)
-    return _result(out, stage.GetDefaultPrim(), character, messages)
+    result = _result(source, out, stage.GetDefaultPrim(), character, messages)
+    if options.report is not None:
+        write_json(options.report, result.as_dict())
+    return result
 
 
 @openusd_errors()
@@ -65,7 +69,7 @@ def from_bvh_open_stage(
     with layer.editing():
         root = add_character(stage, character, layer)
     steps.advance(1)
-    return _result(None, root, character, messages)
+    return _result(source, None, root, character, messages)
 
 
 def _read_character(source: Path, options: FromBvhOptions, messages: Messages) -> Character:
@@ -92,8 +96,9 @@ def _skeleton(bvh: Bvh) -> Skeleton:
     )
 
 
-def _result(path: Path | None, root: Usd.Prim, character: Character, messages: Messages) -> FromBvhResult:
+def _result(source: Path, path: Path | None, root: Usd.Prim, character: Character, messages: Messages) -> FromBvhResult:
     return FromBvhResult(
+        source.name,
         path,
         str(root.GetPath()),
         character.skeleton.n_joints,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from usd_tools.console.arguments import positive_number
 from usd_tools.console.options import Options, one_of, option
@@ -31,6 +32,9 @@ class FromBvhOptions(Options):
     usd_format : str
         "usda" or "usdc", for a name that ends in .usd; an open stage does not use it.
         Optional, default: "usdc".
+    report : Path
+        JSON file to write the result to as well.
+        Optional, default: none.
     """
 
     scale: float = option(0.01, positive_number)
@@ -38,3 +42,4 @@ class FromBvhOptions(Options):
     skip_first: bool = option(False, bool)
     up: str = option("Y", one_of(UP_AXES))
     usd_format: str | None = option(None, one_of(("usda", "usdc")), recorded=False, word="usdFormat")
+    report: Path | None = option(None, Path, recorded=False)

@@ -4,6 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+from geomstats_anim._version import __version__
+from usd_tools.console.text import counted
+
+TOOL = "usd_tools.from_bvh"
 
 
 @dataclass(frozen=True)
@@ -12,6 +18,8 @@ class FromBvhResult:
 
     Parameters
     ----------
+    source : str
+        Name of the BVH file.
     path : Path or None
         File that was written; None for an open stage.
     prim : str
@@ -26,6 +34,7 @@ class FromBvhResult:
     warnings : tuple of str
     """
 
+    source: str
     path: Path | None
     prim: str
     joints: int
@@ -33,3 +42,23 @@ class FromBvhResult:
     rate: float
     height_metres: float
     warnings: tuple[str, ...]
+
+    @property
+    def brief(self) -> str:
+        """What was done, in a few words."""
+        return f"{counted(self.joints, 'joint')}, {counted(self.frames, 'frame')}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the content of `--report`."""
+        return {
+            "tool": TOOL,
+            "version": __version__,
+            "source": self.source,
+            "output": None if self.path is None else self.path.name,
+            "prim": self.prim,
+            "joints": self.joints,
+            "frames": self.frames,
+            "rate": self.rate,
+            "height_metres": self.height_metres,
+            "warnings": list(self.warnings),
+        }

@@ -71,6 +71,27 @@ def add_workers(parse: argparse._ActionsContainer) -> None:
     )
 
 
+def add_inputs(parse: argparse._ActionsContainer, what: str = "USD file") -> None:
+    """Add `IN`, a file, several, or folders."""
+    parse.add_argument(
+        "input", metavar="IN", nargs="+", type=Path, help=f"{what}; or several, or folders: then OUT is a folder"
+    )
+
+
+def add_several(parse: argparse.ArgumentParser) -> None:
+    """Add the options for several files."""
+    group = parse.add_argument_group(
+        "several files",
+        "With more than one IN, or a folder, OUT is a folder with the same tree inside. A file that fails is named and "
+        "the others go on; the exit code is 1 then. --report writes one summary of all.",
+    )
+    group.add_argument("--jobs", metavar="N", type=whole_number, help="processes on this machine; default: 1")
+    group.add_argument(
+        "--skip-existing", action="store_true", help="leave out files whose output is there, as after an interrupt"
+    )
+    add_workers(group)
+
+
 MAX_UNPACKED = 4.0
 """Gigabytes that a package from a stranger may unpack to."""
 
@@ -163,5 +184,7 @@ def add_output(parse: argparse._ActionsContainer) -> None:
 def add_format(parse: argparse._ActionsContainer) -> None:
     """Add the option for the format of a name that does not tell it."""
     parse.add_argument(
-        "--usdFormat", choices=("usda", "usdc"), help="format of an OUT that ends in .usd; default: usdc"
+        "--usdFormat",
+        choices=("usda", "usdc"),
+        help="format of an OUT that ends in .usd; default: usdc; of several files: how their names end",
     )

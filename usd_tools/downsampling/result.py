@@ -101,6 +101,13 @@ class DownsampleResult:
     warnings: tuple[str, ...]
     dependencies: str = ""
 
+    @property
+    def brief(self) -> str:
+        """What was done, in a few words."""
+        kept = sum(animation.kept_samples for animation in self.animations)
+        samples = sum(animation.samples for animation in self.animations)
+        return f"{kept} of {samples} samples kept"
+
     def as_dict(self) -> dict[str, Any]:
         """Return the content of `--report`."""
         return {

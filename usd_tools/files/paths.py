@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from usd_tools.console.errors import ToolError
@@ -14,6 +14,34 @@ EXTENSIONS = (".usd", ".usda", ".usdc", ".usdz")
 def extension(path: Path) -> str:
     """Return the end of a file's name by which OpenUSD knows its format, in small letters."""
     return path.suffix.lower()
+
+
+def files_below(folder: Path, extensions: Sequence[str], leave_out: Path | None = None) -> list[Path]:
+    """Find the files with some extensions in a folder and in folders within it, hidden ones left out.
+
+    Parameters
+    ----------
+    folder : Path
+    extensions : sequence of str
+        Such as ".usda", in small letters.
+    leave_out : Path
+        Folder that is not searched.
+        Optional, default: none.
+
+    Returns
+    -------
+    files : list of Path
+        In the order of their names.
+    """
+    elsewhere = None if leave_out is None else leave_out.resolve()
+    return [
+        path
+        for path in sorted(folder.rglob("*"))
+        if extension(path) in extensions
+        and not any(part.startswith(".") for part in path.relative_to(folder).parts)
+        and path.is_file()
+        and not (elsewhere is not None and path.resolve().is_relative_to(elsewhere))
+    ]
 
 
 def check_input(path: Path, what: str) -> None:

@@ -9,7 +9,7 @@ from pxr import Sdf, Usd
 
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.files.openusd_errors import reading
-from usd_tools.files.paths import EXTENSIONS, extension, same_file
+from usd_tools.files.paths import EXTENSIONS, files_below, same_file
 from usd_tools.files.stages import open_stage
 from usd_tools.learning.clips import TrainingClip, rig_difference, training_clip, with_joint_order
 from usd_tools.learning.result import Skipped
@@ -57,10 +57,7 @@ def find_files(inputs: Sequence[Path], messages: Messages) -> list[Path]:
 
 def _files_below(folder: Path, messages: Messages) -> list[Path]:
     files = []
-    for path in sorted(folder.rglob("*")):
-        is_hidden = any(part.startswith(".") for part in path.relative_to(folder).parts)
-        if is_hidden or not path.is_file() or extension(path) not in EXTENSIONS:
-            continue
+    for path in files_below(folder, EXTENSIONS):
         if _is_made_by_us(path):
             messages.warn(
                 f"{path} was written by this package from another file, so it is skipped; name it to include it."

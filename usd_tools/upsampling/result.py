@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from geomstats_anim._version import __version__
+from usd_tools.console.text import counted
 
 
 @dataclass(frozen=True)
@@ -108,6 +109,14 @@ class UpsampleResult:
     warnings: tuple[str, ...]
     advice: str = ""
     dependencies: str = ""
+
+    @property
+    def brief(self) -> str:
+        """What was done, in a few words."""
+        before = sum(animation.samples_before for animation in self.animations)
+        after = sum(animation.samples_after for animation in self.animations)
+        several = f" of {counted(len(self.animations), 'animation')}" if len(self.animations) > 1 else ""
+        return f"{before} -> {after} samples{several}"
 
     def as_dict(self) -> dict[str, Any]:
         """Return the content of `--report`."""

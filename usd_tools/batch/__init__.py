@@ -1,0 +1,1 @@
+"""Several files, or all files of a folder, by one verb."""
