@@ -26,6 +26,9 @@ from geomstats_anim.names import SELECTIONS, WITH_METRIC
 _ROUNDS = 3
 """Most times that a metric is learned for the fewest keys so far, and keys are removed under it."""
 
+_FRAMES_BETWEEN_KEYS = 32
+"""Frames from key to key, on average, that a metric is learned from at least; of far more, some are left out."""
+
 _LEAST_GAIN = 0.05
 """Share of the keys that must have been gained for the metric to be learned once more."""
 
@@ -59,6 +62,7 @@ def compress(
     only: Sequence[ArrayLike] | None = None,
     markers: Markers | None = None,
     progress: Callable[[int, float], None] = lambda evaluations, value: None,
+    choosing: Callable[[float], None] = lambda share: None,
 ) -> Compressed:
     """Choose keys and learn the metric for them, in turn, until neither improves.
 
@@ -93,6 +97,8 @@ def compress(
         Optional, default: every joint, and the end of its bone.
     progress : callable
         Called with the number of evaluations of a search for a metric, and the best value so far.
+    choosing : callable
+        Called with the share of the choice of the first keys that is done, where a long clip makes that take long.
 
     Returns
     -------
@@ -141,7 +147,7 @@ def compress(
         return Compressed(tuple(exactly), _cheapest(problems, exactly, plain, learn(exactly)))
     if select == "uniform":
         return _uniform(problems, plain, learn)
-    start = [problem.under_slerp() for problem in problems]
+    start = [problem.under_slerp(choosing) for problem in problems]
     return (_best if tolerance is None else _fewest)(problems, start, plain, learn)
 
 
@@ -186,7 +192,7 @@ def _fit(
 ) -> LearnedMetric | None:
     """Learn a metric roughly, if there is anything to learn from."""
     pairs = zip(animations, keyframes, strict=True)
-    sparse = [(animation, kept) for animation, kept in pairs if len(kept) < animation.n_frames]
+    sparse = [_thinned(animation, kept) for animation, kept in pairs if len(kept) < animation.n_frames]
     if not any(turns(animation) for animation, _ in sparse):
         return None
     return learn_metric(
@@ -198,6 +204,15 @@ def _fit(
         progress=progress,
         rough=True,
     )
+
+
+def _thinned(animation: Animation, keyframes: np.ndarray) -> tuple[Animation, np.ndarray]:
+    """Leave out equally many of the frames between keys where they are far more than tell the shape of a curve."""
+    stride = animation.n_frames // (_FRAMES_BETWEEN_KEYS * len(keyframes))
+    if stride < 2:
+        return animation, keyframes
+    frames = np.union1d(np.arange(0, animation.n_frames, stride), keyframes)
+    return animation.at_frames(frames), np.searchsorted(frames, keyframes)
 
 
 def _nothing(keyframes: Sequence[np.ndarray], family: str | None = None) -> None:

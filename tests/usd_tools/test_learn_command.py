@@ -326,9 +326,11 @@ def test_progress_tells_evaluations_value_and_gain(monkeypatch):
     told = []
     progress = SearchProgress(None, None)
     monkeypatch.setattr(progress, "advance", lambda amount, words: told.append((amount, words)))
+    progress.choose(0.4)
     for evaluations, value in ((1, 2.0), (5, 1.5), (1, 4.0), (3, 3.0)):
         progress.watch(evaluations, value)
     assert told == [
+        (0.0, "Choosing keys: 40%"),
         (1, "Learning: 1 tried, Q 2, 0.0 % below slerp"),
         (4, "Learning: 5 tried, Q 1.5, 25.0 % below slerp"),
         (1, "Checking what carries over, 1: 1 tried, Q 4, 0.0 % below slerp"),

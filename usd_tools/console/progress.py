@@ -68,6 +68,10 @@ class SearchProgress(Progress):
         gain = 100.0 * (1.0 - value / self._slerp) if self._slerp else 0.0
         self.advance(amount, f"{doing}: {evaluations} tried, Q {value:.4g}, {gain:.1f} % below slerp")
 
+    def choose(self, share: float) -> None:
+        """Take the share of a choice of keys that is done."""
+        self.advance(0.0, f"Choosing keys: {share:.0%}")
+
 
 class ProgressBar:
     """A `ProgressCallback` that draws a bar on stderr: only after two seconds, only on a terminal."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from geomstats_anim.learning.compression import Compressed
 from geomstats_anim.markers import Markers, world_errors
 from geomstats_anim.names import LARGEST
 from usd_tools.console.errors import Messages, ToolError
+from usd_tools.console.progress import SearchProgress
 from usd_tools.downsampling.measure import Measure
 from usd_tools.downsampling.options import DownsampleOptions
 from usd_tools.downsampling.thinning import Errors, SampleSelection, restored, sampled_alike
@@ -91,7 +92,7 @@ def downsample_clip(
     clip: SkelClip,
     options: DownsampleOptions,
     messages: Messages,
-    watch: Callable[[int, float], None] = lambda evaluations, value: None,
+    progress: SearchProgress,
 ) -> DownsampledClip | None:
     """Choose the samples of an animation to keep, and learn the metric for them.
 
@@ -103,8 +104,8 @@ def downsample_clip(
     options : DownsampleOptions
     messages : Messages
         Told what a user should know.
-    watch : callable
-        Called with the number of evaluations and the best value so far of the search for a metric.
+    progress : SearchProgress
+        Told of the choice of samples and of the search for a metric.
 
     Returns
     -------
@@ -140,7 +141,7 @@ def downsample_clip(
     while True:
         try:
             compressed = _compressed(
-                clip, selection, animations, options, keep, measure.few, allowance and allowance - margin, watch
+                clip, selection, animations, options, keep, measure.few, allowance and allowance - margin, progress
             )
         except ValueError as error:
             raise ToolError(f"{clip.path} cannot be downsampled with these options: {error}") from error
@@ -186,7 +187,7 @@ def _compressed(
     codes: np.ndarray,
     markers: Markers,
     tolerance: float | None,
-    watch: Callable[[int, float], None],
+    progress: SearchProgress,
 ) -> Compressed:
     if not animations:
         return Compressed((), LearnedMetric.plain(clip.skeleton.joints, options.scheme))
@@ -209,7 +210,8 @@ def _compressed(
         keep=keep,
         only=only,
         markers=markers,
-        progress=watch,
+        progress=progress.watch,
+        choosing=progress.choose,
     )
 
 

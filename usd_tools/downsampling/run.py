@@ -127,7 +127,7 @@ def _downsampled(
         if not hides_variants:
             hidden = variant_notes(clip)
             clip = replace(clip, notes=tuple(note for note in clip.notes if note not in hidden))
-        found.append(downsample_clip(path, clip, options, messages, SearchProgress(progress, None).watch))
+        found.append(downsample_clip(path, clip, options, messages, SearchProgress(progress, None)))
     clips = [each for each in found if each is not None]
     if not clips:
         raise ToolError(f"{path} has no skeletal animation with at least two samples.")

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from swings import swinging
 
-from geomstats_anim import Animation, compress, interpolate, optimal_keyframes, quality, uniform_keyframes
+from geomstats_anim import Animation, compress, interpolate, learn_metric, optimal_keyframes, quality, uniform_keyframes
 from geomstats_anim.criteria import location_errors
+from geomstats_anim.learning import compression
 
 
 def rebuilt(animation, keys, metric):
@@ -141,3 +142,36 @@ def test_one_count_for_each_of_one_rig():
         compress([], tolerance=0.1)
     with pytest.raises(ValueError, match="different joints"):
         compress([swinging(), swinging(n_joints=2)], [5, 5])
+
+
+def test_a_metric_for_few_keys_is_learned_from_some_of_the_frames_and_as_good(monkeypatch):
+    keyed = swinging()
+    animation = interpolate(keyed.at_frames(np.arange(0, 33, 8)), np.linspace(0.0, 32.0, 641), "geodesic-spline")
+    seen = []
+
+    def learned(animations, keyframes, **words):
+        seen.append(animations[0].n_frames)
+        assert np.isin(animations[0].times[keyframes[0]], animation.times).all()
+        return learn_metric(animations, keyframes, **words)
+
+    monkeypatch.setattr(compression, "learn_metric", learned)
+    errors = {}
+    for most in (compression._FRAMES_BETWEEN_KEYS, 10_000):
+        monkeypatch.setattr(compression, "_FRAMES_BETWEEN_KEYS", most)
+        found = compress([animation], [4], select="uniform")
+        errors[most] = error(animation, found.keyframes[0], found.metric)
+        assert found.keyframes[0].tolist() == uniform_keyframes(641, 4 / 641).tolist()
+    assert 128 <= seen[0] < 170 and seen[1] == 641
+    assert errors[32] <= 1.01 * errors[10_000]
+
+
+def test_the_choice_of_keys_of_a_long_clip_reports_its_share(monkeypatch):
+    from geomstats_anim.keyframes import coarse_to_fine
+
+    shares = []
+    compress([swinging()], [6], choosing=shares.append)
+    assert shares == []  # short enough for an exact choice, at once
+    monkeypatch.setattr(coarse_to_fine, "_AFFORDABLE", 0.0)
+    monkeypatch.setattr(coarse_to_fine, "_COARSE", 0.0)
+    compress([swinging(n_frames=129)], [5], choosing=shares.append)
+    assert len(shares) >= 2 and shares == sorted(shares) and 0.0 < shares[0] and shares[-1] == 1.0
