@@ -1,0 +1,40 @@
+"""Integers as bytes, and back, by context mixing."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from geomstats_anim.kernels import context_coder as kernel
+from geomstats_anim.kernels.contexts import Lattice
+
+_SECTIONS = 8
+_BYTES_PER_INTEGER = 12
+"""More than the coder ever needs, escapes included."""
+
+
+def encode(lattice: Lattice) -> bytes:
+    """Return the integers of a lattice as bytes."""
+    model = _new_model(lattice, np.zeros(_BYTES_PER_INTEGER * lattice.integers.size + 64, dtype=np.uint8), False)
+    kernel.code(model, lattice)
+    return model.stream[: kernel.finish(model.coder, model.stream)].tobytes()
+
+
+def decode(payload: bytes, lattice: Lattice) -> None:
+    """Write the integers of `payload` into a lattice whose integers are all zero."""
+    kernel.code(_new_model(lattice, np.frombuffer(payload, dtype=np.uint8).copy(), True), lattice)
+
+
+def _new_model(lattice: Lattice, stream: np.ndarray, decoding: bool) -> kernel.Model:
+    section = max(4096, 40 * lattice.integers.shape[1] + 64)
+    shape = (kernel.INPUTS, _SECTIONS * section)
+    return kernel.Model(
+        coder=np.array([0, 0xFFFFFFFF, 0, 0], dtype=np.int64),
+        stream=stream,
+        decoding=decoding,
+        odds=np.full(shape, 32768, dtype=np.int32),
+        seen=np.zeros(shape, dtype=np.uint8),
+        weights=np.full((kernel.KINDS, kernel.INPUTS), 0.35 * 65536, dtype=np.int64),
+        slots=np.zeros(kernel.INPUTS, dtype=np.int64),
+        inputs=np.zeros(kernel.INPUTS, dtype=np.int64),
+        section=section,
+    )

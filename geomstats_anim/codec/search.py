@@ -1,0 +1,123 @@
+"""Search for integers that take few bits and keep every marker within a tolerance."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from geomstats_anim.animation import Skeleton
+from geomstats_anim.kernels import lattice_search as kernel
+from geomstats_anim.kernels.contexts import ACTIVITIES, Lattice
+from geomstats_anim.kernels.lattice_search import Pose
+from geomstats_anim.rotations import Array
+
+_BANDS = 8
+"""Bands from here on share statistics."""
+
+
+class Effort(NamedTuple):
+    """How long to search.
+
+    Attributes
+    ----------
+    passes : tuple of float
+        Bits that an error of the tolerance at one marker is worth, pass by pass.
+    repairs : int
+        Passes at most in which markers beyond the tolerance weigh more and more.
+    """
+
+    passes: tuple[float, ...]
+    repairs: int
+
+
+EFFORTS = {"full": Effort((2.0, 2.0, 1.0, 1.0, 0.5, 0.5, 0.5, 0.5), 30), "fast": Effort((4.0, 2.0), 12)}
+
+
+def joints_below(parents: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return `below`, `members` and `member_parents` of a `Pose`."""
+    members: list[list[int]] = [[joint] for joint in range(len(parents))]
+    places: list[list[int]] = [[0] for _ in parents]
+    at: list[dict[int, int]] = [{joint: 0} for joint in range(len(parents))]
+    for joint, parent in enumerate(parents.tolist()):
+        ancestor = parent
+        while ancestor >= 0:
+            at[ancestor][joint] = len(members[ancestor])
+            places[ancestor].append(at[ancestor][parent])
+            members[ancestor].append(joint)
+            ancestor = int(parents[ancestor])
+    below = np.cumsum([0] + [len(each) for each in members])
+    flat = [np.array([x for each in lists for x in each], dtype=np.intp) for lists in (members, places)]
+    return below.astype(np.intp), flat[0], flat[1]
+
+
+def search(pose: Pose, lattice: Lattice, groups: np.ndarray, tolerance: float, effort: Effort) -> bool:
+    """Improve the integers of some groups.
+
+    Parameters
+    ----------
+    pose : Pose
+        Of these integers; moved along with them.
+    lattice : Lattice
+    groups : array-like of int
+        To visit, joints from the root down.
+    tolerance : float
+        Metres.
+    effort : Effort
+
+    Returns
+    -------
+    done : bool
+        Whether every marker is within the tolerance, up to rounding.
+    """
+    upwards, weight = False, effort.passes[-1] if effort.passes else 1.0
+    for weight in effort.passes:
+        kernel.sweep(pose, lattice, groups, upwards, tolerance, weight, _costs(lattice))
+        upwards = not upwards
+    for attempt in range(effort.repairs + 1):
+        distances = largest_errors(pose)
+        if distances.max(initial=0.0) <= tolerance:
+            return True
+        if attempt < effort.repairs:
+            pose.weights[distances > 0.97 * tolerance] *= 2.0
+            kernel.sweep(pose, lattice, groups, upwards, tolerance, weight, _costs(lattice))
+            upwards = not upwards
+    return False
+
+
+def search_plain(pose: Pose, lattice: Lattice, groups: np.ndarray, effort: Effort) -> bool:
+    """Improve the integers of groups of plain numbers; return whether all are within their tolerances."""
+    weight = 1.0
+    for attempt in range(len(effort.passes) + effort.repairs if len(groups) else 0):
+        weight = effort.passes[attempt] if attempt < len(effort.passes) else 2.0 * weight
+        kernel.sweep(pose, lattice, groups, False, 1.0, weight, _costs(lattice))
+        if attempt >= len(effort.passes) - 1 and _is_kept(pose):
+            return True
+    return _is_kept(pose)
+
+
+def _is_kept(pose: Pose) -> bool:
+    return not np.any(np.abs(pose.plain - pose.plain_targets) > pose.plain_tolerances[:, None])
+
+
+def largest_errors(pose: Pose) -> Array:
+    """Return the largest distance of each joint's markers from their places, shape=[F, B], metres."""
+    distances = np.empty(pose.weights.shape)
+    kernel.errors(pose, distances)
+    return distances
+
+
+def _costs(lattice: Lattice) -> Array:
+    """Return the bits of every size of integer, by band and activity, as the integers are now."""
+    counts = np.zeros((min(_BANDS, len(lattice.bands) - 1), ACTIVITIES, kernel.LARGEST + 1))
+    kernel.recount(lattice, counts)
+    prior = counts.sum(axis=0, keepdims=True) + counts.sum(axis=(0, 1), keepdims=True) / (2 * ACTIVITIES)
+    prior += 0.3 * 0.5 ** np.arange(kernel.LARGEST + 1)
+    prior /= prior.sum(axis=-1, keepdims=True)
+    return -np.log2((counts + 2.0 * prior) / (counts.sum(axis=-1, keepdims=True) + 2.0))
+
+
+def marker_places(skeleton: Skeleton, joints: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Order markers by joint: return the order, and where each joint's begin, shape=[B + 1]."""
+    order = np.argsort(joints, kind="stable")
+    return order, np.searchsorted(joints[order], np.arange(skeleton.n_joints + 1)).astype(np.intp)
