@@ -1,8 +1,8 @@
 """Base of the metrics on SO(3) and SO(3)^B: the inner product, and what follows from geodesics.
 
 It is one mathematics on arrays of shape [..., B, 3, 3], with B = 1 for SO(3): one compiled call for all elements of a
-batch and all bones. Numbers are float64 inside; arrays of other backends are converted at the boundary, so that
-they cannot differentiate what is here.
+batch and all bones. Numbers are float64 inside; arrays of other backends are converted at the boundary, and where they
+are differentiated the exact derivatives are known; see `differentiation`.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from geomstats.errors import check_integer
 
 from geomstats_anim import rotations as quat
 from geomstats_anim.riemannian import matrices as mat
+from geomstats_anim.riemannian.differentiation import Differentiable, followed
 from geomstats_anim.riemannian.matrices import PoseMatrices
 from geomstats_anim.riemannian.solvers import GeodesicExpSolver, GeodesicLogSolver
 from geomstats_anim.riemannian.tensors import TensorMetric
@@ -34,8 +35,11 @@ class CompiledMetric(TensorMetric):
 
     def _instantiate_solvers(self) -> None:
         self._arrays = PoseMatrices(self._space.shape, self.parameters)
-        self.exp_solver = GeodesicExpSolver(self._arrays, self.parameters)
-        self.log_solver = GeodesicLogSolver(self._arrays, self.parameters, self._scale)
+        self._differentiable = Differentiable(
+            self.parameters, self._matrices, self._scale, has_joints=len(self._space.shape) > 2
+        )
+        self.exp_solver = GeodesicExpSolver(self._arrays, self.parameters, self._differentiable)
+        self.log_solver = GeodesicLogSolver(self._arrays, self.parameters, self._scale, self._differentiable)
 
     def inner_product(self, tangent_vec_a: Any, tangent_vec_b: Any, base_point: Any = None) -> Any:
         """Compute the inner product of two tangent vectors at a base point.
@@ -55,6 +59,8 @@ class CompiledMetric(TensorMetric):
         -------
         inner_product : array-like, shape=[...]
         """
+        if followed(tangent_vec_a, tangent_vec_b, base_point):
+            return self._differentiable.inner_product(tangent_vec_a, tangent_vec_b, base_point)
         base = self._arrays.read_points(base_point, "base_point")
         velocity_a = self._arrays.read_velocities(tangent_vec_a, base, "tangent_vec_a")
         velocity_b = self._arrays.read_velocities(tangent_vec_b, base, "tangent_vec_b")
@@ -144,6 +150,12 @@ class CompiledMetric(TensorMetric):
             If no geodesic was found for an element; `log_solver.solve` returns every status instead.
         """
         return self.log_solver.log(point, base_point)
+
+    def squared_dist(self, point_a: Any, point_b: Any) -> Any:
+        """Compute the squared distance of points, shape=[...]; it is differentiable at 0, as the distance is not."""
+        if followed(point_a, point_b):
+            return self._differentiable.squared_dist(point_a, point_b)
+        return super().squared_dist(point_a, point_b)
 
     def dist_pairwise(self, points: Any, n_jobs: int = 1, **joblib_kwargs: Any) -> Any:
         """Compute the distances between all pairs of points, in one call.

@@ -111,14 +111,18 @@ class PoseMatrices:
         batch : tuple of int
             Shape of n elements.
         """
+        return self.write(self.tangent_vecs(velocities, base, batch), batch + self.shape)
+
+    def tangent_vecs(self, velocities: Array, base: Array, batch: tuple[int, ...]) -> Array:
+        """Return what `write_tangent_vecs` writes, as an array of NumPy."""
         vectors = np.empty((*velocities.shape, 3))
         kernel.write_tangent_vectors(quat.plain(velocities), quat.plain(base), self._is_right, vectors)
-        return self.write(vectors, batch + self.shape)
+        return vectors.reshape(batch + self.shape)
 
     @staticmethod
     def write(values: np.ndarray, shape: tuple[int, ...]) -> Any:
         """Convert an array to one of the backend."""
-        return gs.from_numpy(values.reshape(shape))
+        return gs.from_numpy(np.asarray(values).reshape(shape))
 
     def _batch(self, values: Array) -> tuple[int, ...]:
         return values.shape[: values.ndim - len(self.shape)]

@@ -113,7 +113,9 @@ class PoseSpace(NFoldManifold):
         -------
         tangent_vec : array-like, shape=[..., B, 3, 3]
         """
-        return super().to_tangent(vector, self.identity if base_point is None else base_point)
+        base_point = self.identity if base_point is None else base_point
+        seen = gs.matmul(gs.moveaxis(base_point, -1, -2), vector)
+        return 0.5 * gs.matmul(base_point, seen - gs.moveaxis(seen, -1, -2))
 
     def compose(self, point_a: Any, point_b: Any) -> Any:
         """Multiply poses, bone by bone.

@@ -9,15 +9,14 @@ import numpy as np
 from geomstats.numerics.geodesic import ExpSolver, LogSolver
 from numpy.typing import ArrayLike
 
-from geomstats_anim.geodesics.pose_geodesics import LogResult, LogStatus, PoseGeodesics
+from geomstats_anim.geodesics.pose_geodesics import LogResult, PoseGeodesics
 from geomstats_anim.kernels.shooting import CONVERGED
 from geomstats_anim.parameters import MetricParameters
 from geomstats_anim.riemannian import matrices as mat
+from geomstats_anim.riemannian.differentiation import Differentiable, followed
+from geomstats_anim.riemannian.failures import raise_failures
 from geomstats_anim.riemannian.matrices import PoseMatrices
 from geomstats_anim.rotations import Array
-
-_NAMED_FAILURES = 5
-"""Most elements that the error of a logarithm names."""
 
 
 class GeodesicExpSolver(ExpSolver):
@@ -27,11 +26,13 @@ class GeodesicExpSolver(ExpSolver):
     ----------
     arrays : PoseMatrices
     parameters : MetricParameters
+    differentiable : Differentiable
+        Answers for arrays that are differentiated.
     """
 
-    def __init__(self, arrays: PoseMatrices, parameters: MetricParameters) -> None:
+    def __init__(self, arrays: PoseMatrices, parameters: MetricParameters, differentiable: Differentiable) -> None:
         super().__init__(solves_ivp=True)
-        self._arrays, self._parameters = arrays, parameters
+        self._arrays, self._parameters, self._differentiable = arrays, parameters, differentiable
 
     def exp(self, tangent_vec: Any, base_point: Any = None) -> Any:
         """Follow geodesics for the unit of time.
@@ -47,6 +48,8 @@ class GeodesicExpSolver(ExpSolver):
         -------
         end_point : array-like, shape=[..., *space.shape]
         """
+        if followed(tangent_vec, base_point):
+            return self._differentiable.exp(tangent_vec, base_point)
         geodesics, batch = self._leave(tangent_vec, base_point, "base_point", "tangent_vec")
         n = len(geodesics.initial)
         return self._arrays.write_points(geodesics(np.arange(n), np.ones(n)), batch)
@@ -65,6 +68,8 @@ class GeodesicExpSolver(ExpSolver):
         path : callable
             Takes times, shape=[n_times] or [], and returns points, shape=[..., n_times, *space.shape].
         """
+        if followed(tangent_vec, base_point):
+            return self._differentiable.path(tangent_vec, base_point)
         geodesics, batch = self._leave(tangent_vec, base_point, "initial_point", "initial_tangent_vec")
         return _path(self._arrays, geodesics, batch)
 
@@ -87,11 +92,16 @@ class GeodesicLogSolver(LogSolver):
     parameters : MetricParameters
     scale : array-like, shape=[B]
         Multiples of the matrices of the parameters that those of the metric are.
+    differentiable : Differentiable
+        Answers for arrays that are differentiated.
     """
 
-    def __init__(self, arrays: PoseMatrices, parameters: MetricParameters, scale: Array) -> None:
+    def __init__(
+        self, arrays: PoseMatrices, parameters: MetricParameters, scale: Array, differentiable: Differentiable
+    ) -> None:
         super().__init__(solves_bvp=True)
         self._arrays, self._parameters, self._scale = arrays, parameters, scale
+        self._differentiable = differentiable
 
     def solve(self, point: Any, base_point: Any = None) -> LogResult:
         """Find logarithms, and return how each search ended.
@@ -138,8 +148,10 @@ class GeodesicLogSolver(LogSolver):
         RuntimeError
             If no geodesic was found for an element; `solve` returns the others.
         """
+        if followed(point, base_point):
+            return self._differentiable.log(point, base_point)
         geodesics, batch = self._join(point, base_point, "point", "base_point")
-        _raise_failures(geodesics.status, batch + self._arrays.per_joint)
+        raise_failures(geodesics.status, batch + self._arrays.per_joint)
         return self._arrays.write_tangent_vecs(geodesics.velocity, geodesics.initial, batch)
 
     def geodesic_bvp(self, point: Any, base_point: Any) -> Callable[[Any], Any]:
@@ -162,8 +174,10 @@ class GeodesicLogSolver(LogSolver):
         RuntimeError
             If no geodesic was found for an element.
         """
+        if followed(point, base_point):
+            return self._differentiable.path(self._differentiable.log(point, base_point), base_point)
         geodesics, batch = self._join(point, base_point, "end_point", "initial_point")
-        _raise_failures(geodesics.status, batch + self._arrays.per_joint)
+        raise_failures(geodesics.status, batch + self._arrays.per_joint)
         return _path(self._arrays, geodesics, batch)
 
     def _join(
@@ -204,14 +218,3 @@ def _path(arrays: PoseMatrices, geodesics: PoseGeodesics, batch: tuple[int, ...]
         return arrays.write_points(points, (*batch, len(times)))
 
     return path
-
-
-def _raise_failures(status: np.ndarray, shape: tuple[int, ...]) -> None:
-    """Raise if elements have no geodesic, naming them and the remedy."""
-    if (status == CONVERGED).all():
-        return
-    failures = np.argwhere(status.reshape(shape) != CONVERGED)
-    names = ", ".join(mat.at("", index) for index in failures[:_NAMED_FAILURES]) if shape else "the pair"
-    more = f" and {len(failures) - _NAMED_FAILURES} more" if len(failures) > _NAMED_FAILURES else ""
-    sentences = " ".join(str(LogStatus(code)) for code in np.unique(status) if code != CONVERGED)
-    raise RuntimeError(f"The logarithm failed for {names}{more}. {sentences} log_solver.solve returns every status.")
