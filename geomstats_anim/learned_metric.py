@@ -142,8 +142,8 @@ class LearnedMetric:
         )
         return matched, missing
 
-    def to_json(self) -> str:
-        """Return the metric as JSON, the same text for the same metric."""
+    def to_json(self, indent: int | None = 2) -> str:
+        """Return the metric as JSON, the same text for the same metric; in one line if the indent is None."""
         document = {
             "format": "geodesicMetric",
             "version": FORMAT_VERSION,
@@ -158,7 +158,7 @@ class LearnedMetric:
             "quality": self.quality,
             "provenance": dict(self.provenance),
         }
-        return dump_json(document, indent=2) + "\n"
+        return dump_json(document, indent) + "\n"
 
     @classmethod
     def from_json(cls, text: str) -> LearnedMetric:

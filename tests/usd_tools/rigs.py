@@ -4,11 +4,26 @@ import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdSkel, Vt
 from scipy.spatial.transform import Rotation
 
+from geomstats_anim import LearnedMetric, MetricParameters
 from usd_tools.metrics.attributes import read_metric
 from usd_tools.skel.channels import CHANNELS
 
 JOINTS = ["hips", "hips/spine", "hips/spine/arm"]
 SKELETON, ANIMATION = "/Rig/Skel", "/Rig/Anim"
+
+PROVENANCE = {
+    "source": "walk.usda",
+    "seed": 3,
+    "big": 2**40,
+    "score": 0.1,
+    "done": True,
+    "names": ["a", "b"],
+    "rates": [0.3, 1.0],
+    "counts": [1, 2],
+    "none": [],
+    "scores": {"left": 0.25},
+    "keys": [5],
+}
 
 
 def random_rotations(n_frames, n_joints, seed=0, size=0.5):
@@ -77,6 +92,21 @@ def read(path, name="rotations", prim=ANIMATION):
     codes = attribute.GetTimeSamples()
     values = [attribute.Get(code) for code in codes]
     return codes, [None if value is None else CHANNELS[name].to_numpy(value) for value in values]
+
+
+def some_metric(axes=False, joints=JOINTS):
+    """Return a metric with other numbers everywhere, and provenance."""
+    rng = np.random.default_rng(0)
+    n = len(joints)
+    parameters = MetricParameters(
+        rng.uniform(0.1, 9.0, n),
+        rng.uniform(0.1, 9.0, n),
+        rng.normal(size=(n, 3)) if axes else None,
+        tuple(rng.choice(["left", "right"], n)),
+    )
+    return LearnedMetric(
+        tuple(joints), parameters, rng.uniform(size=n), "geodesic", "hyb", PROVENANCE, rng.uniform(size=n)
+    )
 
 
 def stored_metric(path):

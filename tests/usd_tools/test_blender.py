@@ -1,6 +1,7 @@
 """What Blender shows is what we read and write: BVH by its own importer, and USD there and back."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,14 +9,18 @@ from blender import blender
 from bvh_files import CHAIN, write_bvh
 from pxr import Usd
 from real_files import SHARED
+from rigs import JOINTS, make_rig, some_metric
 from scipy.spatial.transform import Rotation
 
 from geomstats_anim import rotations as quat
 from usd_tools.bvh.reader import read_bvh
-from usd_tools.metrics.attributes import NAMESPACE, SUMMARY
+from usd_tools.metrics.attributes import NAMESPACE, read_metric
+from usd_tools.metrics.strings import METRIC_JSON, SUMMARY
 from usd_tools.skel.clip import read_clip
 from usd_tools.skel.find import find_animations
+from usd_tools.skel.joint_names import read_names
 from usd_tools.skel.resampling import animation_of
+from usd_tools.skel.stored_metric import stored_metric
 
 pytestmark = pytest.mark.slow
 BVH = sorted((SHARED / "bvh").glob("*.bvh"))
@@ -66,6 +71,13 @@ def check_shown(shown, clip):
     assert shown["scene"].tolist() == [np.floor(clip.codes[0]), np.ceil(clip.codes[-1])]
 
 
+def check_metric_shown(shown, skeleton):
+    """The metric and its summary are properties of the armature."""
+    properties = json.loads(str(shown["properties"]))
+    for name, attribute in ((NAMESPACE, METRIC_JSON), (f"{NAMESPACE}Summary", SUMMARY)):
+        assert properties[name] == skeleton.GetAttribute(attribute).Get()
+
+
 def turned_since_first(rotations, parents):
     """How each joint has turned in the world since the first frame, whatever its own axes are, (F, B, 3, 3)."""
     world = rotations.copy()
@@ -112,7 +124,7 @@ def test_bvh_to_blender_to_usd_to_upsample_to_blender(tmp_path, run, bvh, retime
     ours = upright @ ours @ upright.T
     assert quat.distance(quaternions(theirs), quaternions(ours)).max() < 1e-4
     (skeleton,) = clip.source.skeletons
-    assert json.loads(str(shown["properties"]))[NAMESPACE] == skeleton.GetAttribute(SUMMARY).Get()
+    check_metric_shown(shown, skeleton)
 
 
 def test_downsampled_to_blender_and_back(tmp_path, run, bvh):
@@ -126,4 +138,26 @@ def test_downsampled_to_blender_and_back(tmp_path, run, bvh):
         shown, clip = in_blender(tmp_path, tmp_path / name)
         check_shown(shown, clip)
         (skeleton,) = clip.source.skeletons
-        assert json.loads(str(shown["properties"]))[NAMESPACE] == skeleton.GetAttribute(SUMMARY).Get()
+        check_metric_shown(shown, skeleton)
+
+
+@pytest.mark.parametrize("renamed", [False, True], ids=["same names", "renamed"])
+def test_the_metric_is_found_after_a_round_trip(tmp_path, run, renamed):
+    joints = ["hips", "hips/group/spine", "hips/group/spine/arm"] if renamed else JOINTS
+    stage = make_rig(tmp_path / "in.usda", joints=joints)
+    stage.SetStartTimeCode(0.0)
+    stage.SetEndTimeCode(3.0)
+    stage.Save()
+    learned = some_metric(axes=True, joints=joints)
+    (tmp_path / "metric.json").write_text(learned.to_json())
+    styled = ["--factor", 2, "--metric", tmp_path / "metric.json"]
+    assert run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out.usda", *styled)[0] == 0
+    back = blender("round_trip.py", tmp_path / "out.usda", tmp_path / "back.usda")
+    stage = Usd.Stage.Open(str(back))
+    (source,) = find_animations(stage)
+    assert read_metric(source.prim) is None
+    names = read_names(source.prim, "joints")
+    assert (list(names) == joints) != renamed
+    assert stored_metric(source).to_json() == replace(learned, joints=names).to_json()
+    code, out, err = run("upsample", back, "-o", tmp_path / "again.usda", "--factor", 2, "--metric", "stored")
+    assert (code, err, "geodesic, stored metric" in out) == (0, "", True)

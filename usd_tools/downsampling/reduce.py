@@ -22,11 +22,12 @@ from usd_tools.downsampling.options import DownsampleOptions
 from usd_tools.downsampling.thinning import Errors, SampleSelection, restored, sampled_alike
 from usd_tools.downsampling.weights import WEIGHTS, thinned_weights, weights_error
 from usd_tools.files.stages import stage_sha256
-from usd_tools.metrics.attributes import read_metric, read_source_codes
+from usd_tools.metrics.attributes import read_source_codes
 from usd_tools.metrics.explain import BY_JOINT, errors_by_joint
 from usd_tools.skel.clip import SkelClip, read_clip
 from usd_tools.skel.find import find_animations
 from usd_tools.skel.resampling import animation_of
+from usd_tools.skel.stored_metric import stored_metric
 from usd_tools.skel.time_codes import codes_for, left_sparse
 
 _ROUNDING = 1e-2
@@ -322,7 +323,7 @@ def verified(
         source = next(
             source for source in sources if paths & {source.path, *(str(s.GetPath()) for s in source.skeletons)}
         )
-        metric, codes = read_metric(source.prim) if each.clip.joints else each.metric, read_source_codes(source.prim)
+        metric, codes = stored_metric(source) if each.clip.joints else each.metric, read_source_codes(source.prim)
         assert metric is not None and codes is not None
         rebuilt = restored(read_clip(source), metric, codes)
         errors = each.measure.errors(rebuilt, each.clip)

@@ -26,7 +26,7 @@ from usd_tools.editing.edits import (
     UseScheme,
 )
 from usd_tools.editing.motion import EditableMotion
-from usd_tools.metrics.attributes import read_metric
+from usd_tools.skel.stored_metric import stored_metric
 from usd_tools.upsampling.joint_styles import Style, styled, unmatched
 
 _SIDES = (("left", "right"), ("l", "r"))
@@ -52,7 +52,7 @@ class EditState:
     def start(cls, motion: EditableMotion) -> EditState:
         """Return the state before any edit: the metric that the file stores, and all its samples."""
         joints = motion.skeleton.joints
-        stored = read_metric(motion.clip.source.prim)
+        stored = stored_metric(motion.clip.source)
         metric = LearnedMetric.plain(joints, DEFAULT_SCHEME) if stored is None else stored.for_joints(joints)[0]
         return cls(metric, np.ones(len(motion.samples), dtype=bool))
 

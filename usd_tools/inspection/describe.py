@@ -16,7 +16,7 @@ from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
 from usd_tools.files.stages import open_stage, stage_path
 from usd_tools.inspection.result import InspectResult
 from usd_tools.metrics import explain as metric_meaning
-from usd_tools.metrics.attributes import read_metric, read_source_codes, summary
+from usd_tools.metrics.attributes import read_source_codes, summary
 from usd_tools.metrics.explain import joint_meanings
 from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip, read_clip
@@ -30,6 +30,7 @@ from usd_tools.skel.rotation_checks import (
     wide_steps,
 )
 from usd_tools.skel.skeleton_checks import count_off_bind, range_note, rest_size, size_note
+from usd_tools.skel.stored_metric import stored_metric
 
 
 @openusd_errors()
@@ -211,7 +212,7 @@ def _count_still(clip: SkelClip) -> int:
 
 def _describe_metric(source: AnimationSource, messages: Messages) -> dict[str, Any] | None:
     try:
-        metric = read_metric(source.prim)
+        metric = stored_metric(source)
     except ToolError as error:
         messages.warn(str(error))
         return {"error": str(error)}

@@ -1,4 +1,4 @@
-"""Read and write the metric in a USD file: attributes on the SkelAnimation, and one line on each Skeleton."""
+"""Read and write the metric in a USD file: attributes on the SkelAnimation, and its summary in one line."""
 
 from __future__ import annotations
 
@@ -15,8 +15,6 @@ from usd_tools.console.errors import ToolError
 from usd_tools.console.text import counted
 
 NAMESPACE = "geodesicMetric"
-SUMMARY = f"userProperties:{NAMESPACE}"
-"""Blender keeps string attributes of the Skeleton, and drops everything on the SkelAnimation."""
 
 _TYPES = {
     "joints": Sdf.ValueTypeNames.TokenArray,
@@ -73,11 +71,6 @@ def write_metric(spec: Sdf.PrimSpec, metric: LearnedMetric, hide_axes: bool = Fa
     # One string: USD merges the dictionaries of layers, and entries of an older metric would show through.
     entries = {"quality": metric.quality, _PROVENANCE: dump_json(dict(metric.provenance))}
     spec.customData = {**dict(spec.customData), NAMESPACE: entries}
-
-
-def write_summary(spec: Sdf.PrimSpec, metric: LearnedMetric) -> None:
-    """Write the one-line summary of a metric on a Skeleton."""
-    _attribute(spec, SUMMARY, Sdf.ValueTypeNames.String).default = summary(metric)
 
 
 def summary(metric: LearnedMetric) -> str:

@@ -57,6 +57,10 @@ class EditTargetLayer(AnimationLayer):
             raise ToolError(f"The edit target {self.name} cannot hold {path}; choose another edit target.")
         return mapped
 
+    def can_hold(self, path: Sdf.Path) -> bool:
+        """Return whether a prim of the stage can be in the layer."""
+        return not self._target.MapToSpecPath(path).isEmpty
+
     def prim(self, path: Sdf.Path) -> Sdf.PrimSpec:
         """Return the spec of a prim of the stage, made where there is none."""
         self._written[path] = self.spec_path(path)

@@ -25,8 +25,8 @@ from usd_tools.metrics.attributes import (
     hide_source_codes,
     write_metric,
     write_source_codes,
-    write_summary,
 )
+from usd_tools.metrics.strings import carriers, write_strings
 from usd_tools.skel.channels import CHANNELS, Channel, write_samples, write_values
 from usd_tools.skel.find import AnimationSource
 from usd_tools.skel.instancing import editable_paths
@@ -68,6 +68,10 @@ class AnimationLayer:
     def spec_path(self, path: Sdf.Path) -> Sdf.Path:
         """Return where a prim of the stage is in the layer."""
         return path
+
+    def can_hold(self, path: Sdf.Path) -> bool:
+        """Return whether a prim of the stage can be in the layer."""
+        return True
 
     def prim(self, path: Sdf.Path) -> Sdf.PrimSpec:
         """Return the spec of a prim of the stage, made where there is none."""
@@ -123,8 +127,9 @@ class AnimationLayer:
                 hide_source_codes(spec)
         if metric is not None:
             for skeleton in source.skeletons:
-                if not skeleton.IsInstanceProxy():
-                    write_summary(self.prim(skeleton.GetPath()), metric)
+                for prim in carriers(skeleton)[:2]:
+                    if not prim.IsInstanceProxy() and self.can_hold(prim.GetPath()):
+                        write_strings(self.prim(prim.GetPath()), metric)
 
     def write_values(self, attribute: Usd.Attribute, channel: Channel, values: Sequence[Any]) -> None:
         """Write the samples of any other attribute of the stage, all of them."""

@@ -12,8 +12,8 @@ from geomstats_anim.strict_json import read_text
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.progress import ProgressCallback
 from usd_tools.console.text import did_you_mean, short_names
-from usd_tools.metrics.attributes import read_metric
 from usd_tools.skel.clip import SkelClip
+from usd_tools.skel.stored_metric import stored_metric
 from usd_tools.upsampling.joint_styles import styled, unmatched
 from usd_tools.upsampling.options import CurveOptions
 
@@ -107,7 +107,7 @@ def _choose(
         origin = "learned"
         base, learned = learn_from_clip(path, clip, options.scheme, messages, progress)
     elif options.metric not in ("identity", "learn"):
-        base = read_metric(clip.source.prim)
+        base = stored_metric(clip.source)
         if base is None and options.metric == "stored":
             raise ToolError(f"{clip.path} stores no metric; leave --metric out, or choose the animation with --prim.")
     missing: tuple[str, ...] = ()

@@ -4,42 +4,14 @@ import json
 import re
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from pxr import Sdf, Usd, Vt
-from rigs import ANIMATION, JOINTS, SKELETON, make_rig, stored_metric
+from rigs import ANIMATION, JOINTS, SKELETON, make_rig, some_metric, stored_metric
 
 from geomstats_anim import LearnedMetric, MetricParameters
 from usd_tools.console.errors import ToolError
 from usd_tools.metrics.attributes import read_metric, summary, write_metric
-
-PROVENANCE = {
-    "source": "walk.usda",
-    "seed": 3,
-    "big": 2**40,
-    "score": 0.1,
-    "done": True,
-    "names": ["a", "b"],
-    "rates": [0.3, 1.0],
-    "counts": [1, 2],
-    "none": [],
-    "scores": {"left": 0.25},
-    "keys": [5],
-}
-
-
-def some_metric(axes=False, joints=JOINTS):
-    rng = np.random.default_rng(0)
-    n = len(joints)
-    parameters = MetricParameters(
-        rng.uniform(0.1, 9.0, n),
-        rng.uniform(0.1, 9.0, n),
-        rng.normal(size=(n, 3)) if axes else None,
-        tuple(rng.choice(["left", "right"], n)),
-    )
-    return LearnedMetric(
-        tuple(joints), parameters, rng.uniform(size=n), "geodesic", "hyb", PROVENANCE, rng.uniform(size=n)
-    )
+from usd_tools.metrics.strings import METRIC_JSON, SUMMARY
 
 
 @pytest.mark.parametrize("axes", [False, True])
@@ -107,8 +79,9 @@ def test_stored_metric_is_used_and_written(tmp_path, run):
     stage = Usd.Stage.Open(str(tmp_path / "out.usda"))
     written = read_metric(stage.GetPrimAtPath(ANIMATION))
     assert written.to_json() == metric.for_joints(JOINTS)[0].to_json()
-    text = stage.GetPrimAtPath(SKELETON).GetAttribute("userProperties:geodesicMetric").Get()
-    assert text == summary(written)
+    for path in (SKELETON, "/Rig"):
+        texts = [stage.GetPrimAtPath(path).GetAttribute(name).Get() for name in (METRIC_JSON, SUMMARY)]
+        assert LearnedMetric.from_json(texts[0]).to_json() == written.to_json() and texts[1] == summary(written)
 
 
 def test_metric_from_a_file_matches_by_name(tmp_path, run):
