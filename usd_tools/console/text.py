@@ -97,12 +97,12 @@ def short_names(joints: Sequence[str]) -> dict[str, str]:
     names : dict
         By path.
     """
-    ends = {joint: _ends(joint) for joint in joints}
-    counts = Counter(end for each in ends.values() for end in each)
-    return {joint: next((end for end in each if counts[end] == 1), joint) for joint, each in ends.items()}
-
-
-def _ends(joint: str) -> list[str]:
-    """All ends of a path, the shortest first."""
-    parts = joint.split("/")
-    return ["/".join(parts[start:]) for start in reversed(range(len(parts)))]
+    names = {joint: joint for joint in joints}
+    left, n_parts = list(names), 0
+    while left:  # those whose last parts are also another's
+        n_parts += 1
+        ends = {joint: "/".join(joint.rsplit("/", n_parts)[-n_parts:]) for joint in left}
+        counts = Counter(ends.values())
+        names |= {joint: end for joint, end in ends.items() if counts[end] == 1}
+        left = [joint for joint, end in ends.items() if counts[end] > 1 and end != joint]
+    return names

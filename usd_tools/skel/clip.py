@@ -15,6 +15,7 @@ from geomstats_anim.names import repeated_name
 from geomstats_anim.rotations import IDENTITY, normalize
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.text import short_names
+from usd_tools.skel.blocks import frame_blocks
 from usd_tools.skel.channels import JOINT_CHANNELS, VALUE_CLIPS, Channel, read_channel, sampled_alike, step_pairs
 from usd_tools.skel.find import BINDING, AnimationSource, chosen_variants, find_binding
 from usd_tools.skel.joint_names import names_note, read_names
@@ -104,7 +105,7 @@ class SkelClip:
         """Time codes of the samples before and after each cut, shape=[C, 2]; see `find_cuts`."""
         if self.given_cuts is not None:
             return self.given_cuts
-        from usd_tools.skel.cuts import find_cuts
+        from usd_tools.skel.cuts import find_cuts_in_parts
 
         joint_channels = {name: self.channels[name] for name in JOINT_CHANNELS if name in self.channels}
         found = [np.zeros((0, 2))]
@@ -112,7 +113,9 @@ class SkelClip:
             channel = self.channels[names[0]]
             for span in channel.spans:
                 codes = channel.codes[span]
-                before = np.flatnonzero(find_cuts(self.keys(names, span)))
+                blocks = frame_blocks(len(codes), self.skeleton.n_joints)
+                parts = (self.keys(names, slice(span.start + a.start, span.start + a.stop)) for a in blocks)
+                before = np.flatnonzero(find_cuts_in_parts(codes / self.codes_per_second, parts))
                 found.append(np.stack([codes[before], codes[before + 1]], axis=-1))
         return np.unique(np.concatenate(found), axis=0)
 
@@ -176,6 +179,27 @@ class SkelClip:
                 arrays[name][:, self.columns] = self._to_metric_units(name, values)
         return Animation(self.skeleton, codes / self.codes_per_second, **arrays, world=self._placements(codes))
 
+    def joint_keys(self, names: Sequence[str], samples: slice, joints: slice) -> Animation:
+        """Make an animation of some of the animation's joints, apart from their tree, from samples of some channels.
+
+        As every joint is interpolated by itself, curves through it are those through `keys`.
+        """
+        columns = self.columns[joints]
+        skeleton = Skeleton(
+            self.joints[joints],
+            np.full(len(columns), -1),
+            self.skeleton.rest_translations[columns],
+            self.skeleton.rest_rotations[columns],
+        )
+        codes = self.channels[names[0]].codes[samples]
+        arrays: dict[str, np.ndarray] = {}
+        for name in ("rotations", "translations", "scales"):
+            if name in names:
+                arrays[name] = self._to_metric_units(name, self.channels[name].values[samples, joints])
+            elif name != "scales":
+                arrays[name] = np.tile(getattr(skeleton, f"rest_{name}"), (len(codes), 1, 1))
+        return Animation(skeleton, codes / self.codes_per_second, **arrays)
+
     @cached_property
     def _is_rigid(self) -> bool:
         """Return whether lengths in the world are those of `skeleton` at all times."""
@@ -217,7 +241,10 @@ class SkelClip:
 
     def to_file_units(self, name: str, animation: Animation) -> np.ndarray:
         """Return the values of a channel in the file's unit and its order of joints, shape=[F, N, C], float64."""
-        values = getattr(animation, name)[:, self.columns]
+        return self.values_of(name, getattr(animation, name)[:, self.columns])
+
+    def values_of(self, name: str, values: np.ndarray) -> np.ndarray:
+        """Return values of a channel in the file's unit, float64."""
         return values / self.world_scale if name == "translations" else values
 
 

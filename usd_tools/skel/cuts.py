@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from geomstats_anim import Animation
@@ -42,15 +44,36 @@ def find_cuts(keys: Animation) -> np.ndarray:
     -------
     is_cut : array-like of bool, shape=[F - 1]
     """
-    gaps = np.diff(keys.times)
+    return find_cuts_in_parts(keys.times, [keys])
+
+
+def find_cuts_in_parts(times: Array, parts: Iterable[Animation]) -> np.ndarray:
+    """Do as `find_cuts`, part by part.
+
+    Parameters
+    ----------
+    times : array-like, shape=[F]
+        Seconds, of all frames.
+    parts : iterable of Animation
+        Each begins with the last frame of the one before.
+
+    Returns
+    -------
+    is_cut : array-like of bool, shape=[F - 1]
+    """
+    gaps = np.diff(times)
     if len(gaps) <= NEIGHBOURS:
         return np.zeros(len(gaps), dtype=bool)
-    turns = quat.distance(keys.rotations[1:], keys.rotations[:-1])
-    origins = world_pose(keys).origins
-    moves = np.linalg.norm(np.diff(origins, axis=0), axis=-1)
-    space = np.ptp(origins.reshape(-1, 3), axis=0).max(initial=0.0)
-    jumps = _stands_out(_usual(turns), gaps, LEAST_TURN)
-    jumps |= _stands_out(_usual(moves), gaps, max(NO_MOVE, LEAST_SHARE_OF_SPACE * space))
+    turns, moves, bounds = [], [], []
+    for keys in parts:
+        origins = world_pose(keys).origins
+        turns.append(quat.distance(keys.rotations[1:], keys.rotations[:-1]))
+        moves.append(np.linalg.norm(np.diff(origins, axis=0), axis=-1))
+        if origins.size:
+            bounds += [origins.min(axis=(0, 1)), origins.max(axis=(0, 1))]
+    space = np.ptp(bounds, axis=0).max() if bounds else 0.0
+    jumps = _stands_out(_usual(np.concatenate(turns)), gaps, LEAST_TURN)
+    jumps |= _stands_out(_usual(np.concatenate(moves)), gaps, max(NO_MOVE, LEAST_SHARE_OF_SPACE * space))
     return jumps & (gaps <= LONGEST_GAP)
 
 

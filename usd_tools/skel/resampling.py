@@ -11,11 +11,12 @@ import numpy as np
 from geomstats_anim import SCHEMES, Animation, LearnedMetric
 from geomstats_anim.interpolation.curves import Curve, Fallback
 from usd_tools.console.errors import ToolError
+from usd_tools.skel.blocks import joint_blocks
 from usd_tools.skel.channels import Channel, sampled_alike, step_pairs
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.frame_rates import rate_like
 
-CHUNK = 1 << 18
+CHUNK = 1 << 17
 """Rotations evaluated at once: enough to keep NumPy busy, few enough to need little memory."""
 
 SNAP = 1e-6
@@ -163,14 +164,17 @@ def resample(
             advance(1.0 / n_spans)
     for names in sampled_alike(animated):
         try:
-            for span, keys in clip.stretches(names):
-                curve = SCHEMES[scheme](keys, metric)
-                fallbacks += curve.fallbacks
-                for share in _fill(clip, names, span, curve, filled):
-                    advance(share * len(names) / n_spans)
+            for span in clip.spans(names[0]):
+                for joints in joint_blocks(len(clip.joints), span.stop - span.start):
+                    curve = SCHEMES[scheme](clip.joint_keys(names, span, joints), metric)
+                    fallbacks += curve.fallbacks
+                    part = len(names) * (joints.stop - joints.start) / len(clip.joints) / n_spans
+                    for share in _fill(clip, names, span, joints, curve, filled):
+                        advance(share * part)
         except ValueError as error:
             raise ToolError(f"{clip.path} cannot be interpolated: {error}") from error
-    return Resampled(filled, tuple(fallbacks))
+    place = {joint: k for k, joint in enumerate(clip.skeleton.joints)}
+    return Resampled(filled, tuple(sorted(fallbacks, key=lambda each: (each.start_time, place[each.joint]))))
 
 
 def sampled_together(clip: SkelClip) -> SkelClip:
@@ -228,20 +232,20 @@ def held(channel: Channel, codes: np.ndarray) -> Channel:
 
 
 def _fill(
-    clip: SkelClip, names: Sequence[str], span: slice, curve: Curve, filled: Mapping[str, Channel]
+    clip: SkelClip, names: Sequence[str], span: slice, joints: slice, curve: Curve, filled: Mapping[str, Channel]
 ) -> Iterator[float]:
-    """Put in-betweens of a span into arrays that hold the sample before; yield the share done after each chunk."""
+    """Put in-betweens of some joints into arrays that hold the sample before; yield the share done after each chunk."""
     keys = clip.channels[names[0]].codes[span]
     codes = filled[names[0]].codes
     first, stop = np.searchsorted(codes, keys[[0, -1]])
-    for a, b in _chunks(np.searchsorted(codes, keys), max(1, CHUNK // max(1, clip.skeleton.n_joints))):
+    for a, b in _chunks(np.searchsorted(codes, keys), max(1, CHUNK // curve.animation.n_joints)):
         segment = np.searchsorted(keys, codes[a:b], side="right") - 1
         between = codes[a:b] > keys[segment]
         dense = curve(codes[a:b] / clip.codes_per_second)
         for name in names:
             source = clip.channels[name]
-            left = source.values[span][segment]
-            values = clip.to_file_units(name, dense)
+            left = source.values[span, joints][segment]
+            values = clip.values_of(name, getattr(dense, name))
             if name == "rotations":
                 # A quaternion and its negative are one rotation, and USD interpolates the shorter way whatever the
                 # signs, so signs are free in USD. Blender interpolates components: between a sample and its negated
@@ -249,8 +253,8 @@ def _fill(
                 # in-betweens continue from the left, which leaves it the last and short one.
                 at_key = np.searchsorted(codes[a:b], keys[segment])
                 values = values * signs_towards(left, values[at_key])
-            moves = between[:, None] & ~source.holds[span.start : span.stop - 1][segment]
-            filled[name].values[a:b][moves] = values[moves]
+            moves = between[:, None] & ~source.holds[span.start : span.stop - 1, joints][segment]
+            filled[name].values[a:b, joints][moves] = values[moves]
         yield (b - a) / (stop - first)
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geomstats_anim import rotations as quat
+from usd_tools.skel.blocks import frame_blocks
 from usd_tools.skel.channels import Channel, step_pairs
 from usd_tools.skel.clip import SkelClip
 
@@ -61,10 +62,12 @@ def rotation_steps(clip: SkelClip) -> np.ndarray:
     channel = clip.channels.get("rotations")
     if channel is None or not channel.is_animated:
         return np.zeros((0, len(clip.joints)))
-    values = channel.values.astype(np.float64)
-    norm = np.linalg.norm(values, axis=-1, keepdims=True)
-    values = np.where(norm > 0.0, values / np.where(norm > 0.0, norm, 1.0), quat.IDENTITY)
-    degrees = np.degrees(quat.distance(values[:-1], values[1:]))
+    degrees = np.empty((len(channel.codes) - 1, channel.values.shape[1]))
+    for frames in frame_blocks(*channel.values.shape[:2]):
+        values = channel.values[frames].astype(np.float64)
+        norm = np.linalg.norm(values, axis=-1, keepdims=True)
+        values = np.where(norm > 0.0, values / np.where(norm > 0.0, norm, 1.0), quat.IDENTITY)
+        degrees[frames.start : frames.stop - 1] = np.degrees(quat.distance(values[:-1], values[1:]))
     jumps = step_pairs(channel.codes, clip.codes_per_second) | channel.blocked[:-1] | channel.blocked[1:]
     degrees[jumps] = 0.0
     return degrees
@@ -90,8 +93,11 @@ def _step(clip: SkelClip, degrees: np.ndarray, k: int, joint: int) -> RotationSt
 
 def count_sign_flips(channel: Channel) -> int:
     """Count neighbouring quaternions in opposite half-spaces: harmless in USD, not in editors that use components."""
-    dots = np.einsum("kni,kni->kn", channel.values[:-1].astype(np.float64), channel.values[1:])
-    return int((dots < 0.0).sum())
+    count = 0
+    for frames in frame_blocks(*channel.values.shape[:2]):
+        values = channel.values[frames].astype(np.float64)
+        count += int((np.einsum("kni,kni->kn", values[:-1], values[1:]) < 0.0).sum())
+    return count
 
 
 def count_not_unit(channel: Channel) -> int:

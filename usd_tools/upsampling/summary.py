@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -33,13 +34,18 @@ class UpsampledClip:
     result: Resampled
     xforms: tuple[tuple[XformOp, Channel], ...] = ()
 
+    @cached_property
+    def degrees(self) -> np.ndarray:
+        """Turns from each sample of the source to the next; see `rotation_steps`."""
+        return rotation_steps(self.clip)
+
 
 def warnings_of(upsampled: UpsampledClip, verbose: bool, stretch: float = 1.0) -> list[str]:
     """Return what went wrong, or may have; time codes are multiplied by `stretch`, as in `describe`."""
     clip = upsampled.clip
     return [
         *_fallback_sentences(clip, upsampled.result.fallbacks, stretch),
-        *_wide_sentences(clip, verbose, stretch),
+        *_wide_sentences(upsampled, verbose, stretch),
         *_cut_sentences(clip, stretch),
     ]
 
@@ -114,9 +120,10 @@ def _fallback_sentences(clip: SkelClip, fallbacks: Sequence[Fallback], stretch: 
     ]
 
 
-def _wide_sentences(clip: SkelClip, verbose: bool, stretch: float) -> list[str]:
+def _wide_sentences(upsampled: UpsampledClip, verbose: bool, stretch: float) -> list[str]:
     """Name the steps of which a file cannot tell the way: all of them, or the widest."""
-    steps = sorted(wide_steps(clip, rotation_steps(clip)), key=lambda step: -step.degrees)
+    clip = upsampled.clip
+    steps = sorted(wide_steps(clip, upsampled.degrees), key=lambda step: -step.degrees)
     told = [step.stretched(stretch) for step in (steps if verbose else steps[:1])]
     are = "is" if len(steps) == 2 else "are"
     more = (
@@ -154,7 +161,7 @@ def describe(upsampled: UpsampledClip, stretch: float = 1.0) -> UpsampledAnimati
     animation : UpsampledAnimation
         With time codes of the output.
     """
-    clip, chosen, degrees = upsampled.clip, upsampled.chosen, rotation_steps(upsampled.clip)
+    clip, chosen, degrees = upsampled.clip, upsampled.chosen, upsampled.degrees
     largest = largest_step(clip, degrees)
     styles = chosen.metric.provenance.get("styles", ())
     return UpsampledAnimation(
