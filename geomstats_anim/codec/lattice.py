@@ -158,7 +158,7 @@ def new_lattice(layout: Layout, steps: Steps, n_frames: int, with_basis: bool) -
 
 def band_gains(n_bands: int) -> Array:
     """Return what steps of each band are multiplied by, from coarse to fine."""
-    gains = _COARSER ** (n_bands - 1.0 - np.arange(n_bands))
+    gains: Array = np.power(_COARSER, n_bands - 1.0 - np.arange(n_bands, dtype=np.float64))
     gains[0] = _COARSEST ** (n_bands - 1.0)
     return gains
 
