@@ -16,6 +16,7 @@ VERBS = {
     "resample": "exactly F samples per second, on whole frames",
     "downsample": "keep few samples, and the metric that rebuilds the others",
     "learn": "learn the metric that rebuilds or predicts animation best",
+    "live": "see a character play, and bend its in-betweens with the mouse",
     "compare": "compare interpolation schemes, and write a report",
 }
 """Each verb, the module of the same name, in a line."""

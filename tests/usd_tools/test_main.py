@@ -12,7 +12,7 @@ from geomstats_anim import __version__
 from usd_tools.__main__ import VERBS, main
 
 ROOT = Path(__file__).resolve().parents[2]
-HEAVY = {"numpy", "pxr", "numba", "scipy", "rich", "geomstats", "matplotlib", "plotly", "ray"}
+HEAVY = {"numpy", "pxr", "numba", "scipy", "rich", "geomstats", "matplotlib", "plotly", "ray", "viser"}
 
 
 def heavy_after(statement):

@@ -18,7 +18,7 @@ from usd_tools.skel.skin import skinned_meshes
 _SIDES, _RINGS = 8, 3
 """Of a capsule: corners around, and rings of each round end."""
 
-_THICKNESS = 0.09
+_THICKNESS = 0.12
 """Radius of a capsule by the length of its bone."""
 
 

@@ -1,0 +1,103 @@
+"""The page in a browser: it plays, a slider bends the motion, a click chooses a joint, and Save writes the result."""
+
+import threading
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+from chromium import opened
+from real_files import real_file
+
+from usd_tools import inspect
+from usd_tools.editing.history import autosave_path
+from usd_tools.editing.session import EditSession
+from usd_tools.viewer.page import LivePage
+from usd_tools.viewer.scene import OURS
+from usd_tools.viewer.server import serving
+
+pytest.importorskip("viser")
+
+
+@contextmanager
+def served(path, out):
+    """Serve the page of a file; give the server, the page and its session, which only the page changes."""
+    session = EditSession.open(path)
+    with serving("127.0.0.1", 0) as server:
+        page = LivePage(server, session, out, out.parent / "presets")
+        thread = threading.Thread(target=page.run)
+        thread.start()
+        try:
+            yield server, page, session
+        finally:
+            page.stop()
+            thread.join()
+
+
+def until(tab, condition, seconds=20.0):
+    for _ in range(int(10 * seconds)):
+        if condition():
+            return
+        tab.wait_for_timeout(100)
+    raise AssertionError("it did not happen")
+
+
+def on_screen(camera, place, width, height):
+    """Project a place in the world to pixels of a view."""
+    ahead = (camera.look_at - camera.position) / np.linalg.norm(camera.look_at - camera.position)
+    right = np.cross(ahead, camera.up_direction)
+    right /= np.linalg.norm(right)
+    seen = place - camera.position
+    scale = 0.5 * height / np.tan(0.5 * camera.fov) / (seen @ ahead)
+    return 0.5 * width + scale * (seen @ right), 0.5 * height - scale * (seen @ np.cross(right, ahead))
+
+
+def picture(tab, box):
+    """Take a picture of the view; rendering by software may need seconds for a frame."""
+    return tab.screenshot(clip=box, timeout=90_000)
+
+
+def thumb(tab, label):
+    row = tab.locator(f'//label[.="{label}"]/ancestor::div[contains(@class,"Flex-root")][1]')
+    box = row.get_by_role("slider").bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+@pytest.mark.slow
+def test_a_clip_is_edited_with_the_mouse(tmp_path):
+    out = tmp_path / "out.usda"
+    with served(real_file("clips/punching.usda"), out) as (server, page, session):
+        with opened(f"http://127.0.0.1:{server.get_port()}") as (tab, problems):
+            until(tab, lambda: server.get_clients())
+            (client,) = server.get_clients().values()
+            box = tab.locator("canvas").last.bounding_box()
+            tab.wait_for_timeout(1500)
+            box["height"] -= 220  # above the time line
+
+            assert len(page.chosen) == session.skeleton.n_joints
+            place = session.poses(OURS, page.frame)[2, :, 3] + page.view.scene.offset(OURS)
+            tab.mouse.click(*on_screen(client.camera, place, box["width"], box["height"] + 220))
+            until(tab, lambda: len(page.chosen) == 1)
+
+            # a joint that moves, whose motion alpha changes
+            page.choose_pattern("*arm*")
+            until(tab, lambda: len(page.chosen) > 1)
+            before, motion = picture(tab, box), session.poses(OURS).copy()
+            x, y = thumb(tab, "alpha")
+            tab.mouse.move(x, y)
+            tab.mouse.down()
+            tab.mouse.move(x + 45, y, steps=5)
+            tab.mouse.up()
+            until(tab, lambda: len(session.edits) > 1)
+            assert session.edits[-1].alpha > 2.0
+            assert np.abs(session.poses(OURS) - motion).max() > 1e-4
+            assert autosave_path(out).exists()
+
+            tab.get_by_role("button", name="Play").click()
+            until(tab, lambda: page.frame > 3)
+            tab.get_by_role("button", name="Pause").click()
+            until(tab, lambda: picture(tab, box) != before)
+
+            tab.get_by_role("button", name="Save", exact=True).click()
+            until(tab, lambda: out.exists() and not autosave_path(out).exists())
+            assert problems == []
+    assert inspect.main([str(out)]) == 0

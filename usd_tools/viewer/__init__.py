@@ -1,0 +1,1 @@
+"""The page of `live`: characters that play, and controls that bend their in-betweens."""
