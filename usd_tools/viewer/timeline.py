@@ -19,7 +19,7 @@ MAX_POINTS = 1500
 
 _MAX_MARKS = 120
 _HEIGHT, _WIDTH = 190.0, 700.0
-_DOTS = {"keys": {"size": 5, "fill": INK, "stroke": INK}, "now": {"size": 10, "fill": "#d81b60", "stroke": "#d81b60"}}
+_TICKS = {"keys": INK, "now": "#d81b60"}
 
 
 class Timeline:
@@ -59,8 +59,8 @@ class Timeline:
 
     def _add_chart(self, names: tuple[str, ...]) -> Any:
         series: list[Any] = [{"label": "s"}]
-        series += [{"label": name, "stroke": COLORS[name], "width": 2} for name in names]
-        series += [{"label": label, "points": {"show": True, **dots}} for label, dots in _DOTS.items()]
+        series += [{"label": name, "stroke": COLORS[name], "width": 2, "points": {"show": False}} for name in names]
+        series += [{"label": label, "stroke": color, "points": {"show": False}} for label, color in _TICKS.items()]
         return self._gui.add_uplot(
             tuple(np.arange(2.0) for _ in series),
             tuple(series),
@@ -87,12 +87,12 @@ class Timeline:
         self.play.label = "Pause" if is_playing else "Play"
 
     def draw(self, chart: Any, times: np.ndarray, lines: Mapping[str, np.ndarray], keys: np.ndarray, now: int) -> None:
-        """Draw lines of one chart, shape=[F], with marks at the keys and at what is seen."""
-        first = next(reversed(list(lines.values())))
-        seen = np.union1d(thinned(first, MAX_POINTS), [now])
-        marks = np.isin(seen, keys)
-        dots = [np.where(marks, 0.0, np.nan), np.where(seen == now, first[seen], np.nan)]
-        chart.data = (times[seen], *(line[seen] for line in lines.values()), *dots)
+        """Draw lines of one chart, shape=[F], with ticks at the keys and a line at what is seen."""
+        *_, last = lines.values()
+        seen = np.union1d(thinned(last, MAX_POINTS), [now])
+        top = max(float(max(line.max() for line in lines.values())), 1e-9)
+        ticks = [np.where(np.isin(seen, keys), 0.08 * top, 0.0), np.where(seen == now, top, 0.0)]
+        chart.data = (times[seen], *(line[seen] for line in lines.values()), *ticks)
 
 
 def thinned(values: np.ndarray, count: int) -> np.ndarray:

@@ -47,7 +47,8 @@ class View:
         self._bodies = {as_bones: body_of(session.clip, original, as_bones) for as_bones in (False, True)}
         some = np.unique(np.linspace(0, original.n_frames - 1, _BOUNDED).astype(int))
         box, standing = (_box(self._bodies[False], original.at_frames(at)) for at in (some, slice(0, 1)))
-        self._width = 0.75 * float((standing[1] - standing[0]).max())
+        extent = standing[1] - standing[0]
+        self._width = max(0.6 * float(extent.max()), 1.1 * float(extent[0]))
         self._start = self._middle(0)
         self.scene = make_scene(box, standing)
 
