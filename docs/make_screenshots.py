@@ -71,7 +71,7 @@ def _take(clip: Path, name: str, prepare: Callable[[LivePage, Any], None]) -> No
         tab.wait_for_timeout(4000)
         tab.evaluate("document.querySelectorAll('.mantine-Notification-closeButton').forEach((each) => each.click())")
         prepare(page, tab)
-        tab.wait_for_timeout(6000)
+        tab.wait_for_timeout(25_000)
         picture = Image.open(io.BytesIO(tab.screenshot(timeout=_PATIENCE))).convert("RGB")
         browser.close()
     picture.save(_IMAGES / f"{name}.webp", quality=80, method=6)

@@ -65,7 +65,7 @@ class Timeline:
             tuple(np.arange(2.0) for _ in series),
             tuple(series),
             height=110,
-            scales={"x": {"time": False}},
+            scales={"x": {"time": False}, "y": {"auto": True}},
             legend={"show": False},
         )
 

@@ -2,6 +2,7 @@
 
 import socket
 import urllib.request
+from importlib.metadata import version
 
 import pytest
 
@@ -14,7 +15,7 @@ pytest.importorskip("viser")
 def connect(port, origin):
     from websockets.sync.client import connect
 
-    with connect(f"ws://127.0.0.1:{port}", origin=origin, subprotocols=["viser-v1"]):
+    with connect(f"ws://127.0.0.1:{port}", origin=origin, subprotocols=[f"viser-v{version('viser')}"]):
         pass
 
 
