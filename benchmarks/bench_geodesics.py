@@ -148,8 +148,8 @@ def log_speed(n: int, repeats: int) -> Iterator[Line]:
     """Logarithms per second, through the same call that interpolation makes."""
     for low, high, condition, share, bar in (
         (0, 45, 10.0, 1.0, 100_000),
-        (45, 90, 10.0, 0.25, None),
-        (120, 179, 25.0, 0.05, None),
+        (45, 90, 10.0, 0.5, 100_000),
+        (120, 179, 25.0, 0.1, 4_000),
     ):
         rng = np.random.default_rng(4)
         count = int(share * n)

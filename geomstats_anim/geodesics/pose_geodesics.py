@@ -8,8 +8,8 @@ matrix, and a geodesic that starts at the identity.
 * For Z = P^T D P, conjugation R -> P R P^T carries the geodesics of Z to those of D.
 
 Geodesics found by shooting need not be the shortest. One is certified when it is shorter than the injectivity radius,
-which the largest sectional curvature bounds from below. Otherwise the other way round, continuation in the metric, and
-a survey of all directions look for a shorter one.
+which the largest sectional curvature bounds from below, or when it ends before its cut point. Otherwise its images
+under the symmetries of the metric, and shots in all directions that a shortest one may take, lead to a certified one.
 """
 
 from __future__ import annotations

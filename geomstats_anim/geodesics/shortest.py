@@ -1,8 +1,8 @@
 """Shortest geodesics from the identity to rotations, for left-invariant metrics with diagonal matrices.
 
-A geodesic found by shooting is certified as the shortest when it is no longer than the injectivity radius. Where it is
-longer, or none was found, the other way round and continuation in the metric are tried, and then a survey: rays in
-directions all over the sphere, as long as the best geodesic so far, whose nearest passes by the target start new shots.
+A geodesic found by shooting is certified as the shortest when it is no longer than the injectivity radius, or when it
+reaches its end before its cut point. Otherwise shots start from the images of geodesics that passed theirs, and from
+geodesics in all directions that a shortest one may take, until one is certified.
 """
 
 from __future__ import annotations
@@ -12,15 +12,19 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from geomstats_anim import rotations as quat
+from geomstats_anim.geodesics.cut_points import cut_points, states
 from geomstats_anim.kernels import injectivity
-from geomstats_anim.kernels.rigid_body import playback
 from geomstats_anim.kernels.shooting import CONVERGED, shoot
 from geomstats_anim.kernels.threads import in_threads
 from geomstats_anim.rotations import Array
 
-_RAYS, _RAY_SAMPLES, _CANDIDATES = 64, 24, 16
-_MIN_ROUNDS, _MAX_ROUNDS = 3, 8
-_SEARCH_PART = 256
+_DIRECTIONS, _LENGTHS = 4, 12
+"""Geodesics looked at for each shot: directions of their momentum half way, and lengths."""
+
+_ROUNDS = (0, 0, 4, 0, 8, 0, 8, 0, 16, 0, 16, 0, 16, 0)
+"""Shots of each round at a target, that start from geodesics in all directions; 0: from images of those before."""
+
+_SEARCH_PART = 1024
 """Problems searched at once; bounds the memory."""
 
 _CERTAIN = 1.0 + 1e-12
@@ -125,7 +129,7 @@ def shortest_momenta(moments: Array, vector: Array, start: Array | None = None, 
     if start is not None and len(index):
         best.keep_better(index, _shoot(moments[index], vector[index], start[index], trusted=trusted))
         index = index[doubtful(best.at(index), moments[index], vector[index])]
-    search = _search_everywhere if is_thorough else _follow
+    search = _search if is_thorough else _follow
     for begin in range(0, len(index), _SEARCH_PART):
         part = index[begin : begin + _SEARCH_PART]
         best.replace(part, search(moments[part], vector[part]))
@@ -133,9 +137,11 @@ def shortest_momenta(moments: Array, vector: Array, start: Array | None = None, 
 
 
 def _doubtful(shots: Shots, moments: Array, vector: Array) -> np.ndarray:
-    """Find those that were not found, or may not be the shortest."""
-    certain = (shots.status == CONVERGED) & (np.sqrt(shots.energy) <= _CERTAIN * injectivity_radius(moments))
-    return np.flatnonzero(~certain)
+    """Find those that were not found, or are not certified as the shortest."""
+    found = shots.status == CONVERGED
+    index = np.flatnonzero(found & (np.sqrt(shots.energy) > _CERTAIN * injectivity_radius(moments)))
+    found[index] = cut_points(moments[index], shots.momentum[index]).is_shortest
+    return np.flatnonzero(~found)
 
 
 def _too_long(shots: Shots, moments: Array, vector: Array) -> np.ndarray:
@@ -145,13 +151,11 @@ def _too_long(shots: Shots, moments: Array, vector: Array) -> np.ndarray:
 
 
 def _follow(moments: Array, vector: Array) -> Shots:
-    """Find geodesics by continuation in the metric, either way round, and keep the shorter."""
-    best = _shoot(moments, vector, may_follow=True)
-    best.keep_better(np.arange(len(vector)), _shoot(moments, _long_way(vector), may_follow=True))
-    return best
+    """Find geodesics by continuation in the metric."""
+    return _shoot(moments, vector, may_follow=True)
 
 
-def _search_everywhere(moments: Array, vector: Array) -> Shots:
+def _search(moments: Array, vector: Array) -> Shots:
     """Find the shortest geodesics where a shot alone is not enough.
 
     Geodesics from A to B are those from B to A, reversed. The same one of the two is always searched for, so that the
@@ -159,24 +163,60 @@ def _search_everywhere(moments: Array, vector: Array) -> Shots:
     """
     largest = np.take_along_axis(vector, np.abs(vector).argmax(axis=1)[:, None], axis=1)
     vector = np.where(largest < 0.0, -vector, vector)
-    best = _follow(moments, vector)
-    index = _doubtful(best, moments, vector)
-    if len(index):
-        found = best.at(index)
-        _survey(moments[index], vector[index], found)
-        best.replace(index, found)
+    best = _shoot(moments, vector)
+    is_certain, images = _certified(best, moments)
+    index, images = np.flatnonzero(~is_certain), images[~is_certain, None]
+    for turn, n_starts in enumerate(_ROUNDS):
+        if not len(index):
+            break
+        if n_starts:
+            energy = np.minimum(best.energy[index], _bi_invariant_energy(moments[index], vector[index]))
+            images = _ahead(moments[index], vector[index], energy, turn, n_starts)
+        n_starts = images.shape[1]
+        own = np.repeat(index, n_starts)
+        found = _shoot(moments[own], vector[own], images.reshape(-1, 3))
+        is_certain, images = _certified(found, moments[own])
+        is_certain = is_certain.reshape(-1, n_starts)
+        choice = np.where(is_certain, 0.0, found.energy.reshape(-1, n_starts)).argmin(axis=1)
+        shots = found.shots.reshape(-1, n_starts).sum(axis=1)
+        best.keep_better(index, found.at(choice + n_starts * np.arange(len(index)))._replace(shots=shots))
+        left = ~is_certain.any(axis=1)
+        index, images = index[left], images.reshape(-1, n_starts, 3)[left]
     backward = np.flatnonzero((largest[:, 0] < 0.0) & (best.status == CONVERGED))
     best.replace(backward, _reversed(moments[backward], vector[backward], best.momentum[backward]))
     return best
 
 
+def _certified(shots: Shots, moments: Array) -> tuple[np.ndarray, Array]:
+    """Return which were found and are the shortest, and images of the others to start from; see `cut_points`."""
+    cuts = cut_points(moments, shots.momentum)
+    return cuts.is_shortest & (shots.status == CONVERGED), cuts.image
+
+
+def _ahead(moments: Array, vector: Array, energy: Array, turn: int, n_starts: int) -> Array:
+    """Return momenta, shape=[n, n_starts, 3], of geodesics no longer than some squared lengths that end near targets.
+
+    Half way, the body momentum of a shortest geodesic has the signs of its target's rotation vector, see `cut_points`.
+    """
+    n = _DIRECTIONS * n_starts
+    directions = np.where(vector < 0.0, -1.0, 1.0)[:, None] * np.abs(_directions(turn, n))
+    momentum = (np.sqrt(moments * energy[:, None])[:, None] * directions).reshape(-1, 3)
+    every = np.repeat(moments, n, axis=0)
+    shares = np.arange(1, _LENGTHS + 1) / _LENGTHS
+    forth, _ = states(every, momentum, 0.5 * shares)
+    back, body = states(every, -momentum, 0.5 * shares)
+    ends = quat.multiply(quat.conjugate(back), forth).reshape(len(moments), -1, 4)
+    cosine = np.einsum("nsi,ni->ns", ends, quat.exp(vector))
+    nearest = np.argsort(-cosine, axis=1, kind="stable")[:, :n_starts]
+    first = -(shares[:, None] * body.reshape(-1, _LENGTHS, 3)).reshape(len(moments), -1, 3)
+    return np.take_along_axis(first, nearest[..., None], axis=1)
+
+
 def _reversed(moments: Array, vector: Array, momentum: Array) -> Shots:
     """Turn geodesics round: given those to exp(vector), find those to exp(-vector)."""
-    end = _ends(moments, momentum)
-    is_short_way = (end * quat.exp(vector)).sum(axis=-1, keepdims=True) >= 0.0
-    way = np.where(is_short_way, -vector, -_long_way(vector))
+    _, body = states(moments, momentum, np.ones(1))
     # one more shot takes off what rounding the turn has picked up
-    return _shoot(moments, way, -quat.rotate(quat.conjugate(end), momentum))
+    return _shoot(moments, -vector, -body[:, 0])
 
 
 def _shoot(
@@ -213,97 +253,15 @@ def _shoot(
     return Shots(momentum, energy, status, residual, shots)
 
 
-def _long_way(vector: Array) -> Array:
-    """Return the rotation vectors of the same rotations the other way round."""
-    angle = np.linalg.norm(vector, axis=-1, keepdims=True)
-    axis = np.where(angle > 0.0, vector / np.where(angle > 0.0, angle, 1.0), [1.0, 0.0, 0.0])
-    return vector - 2.0 * np.pi * axis
-
-
 def _bi_invariant_energy(moments: Array, vector: Array) -> Array:
     """Return the squared length of the turn about the rotation's axis, which bounds the shortest geodesic's."""
     return (moments * vector**2).sum(axis=-1)
 
 
-def _directions(turn: int) -> Array:
-    """Spread unit vectors, shape=[_RAYS, 3], evenly over the sphere: a Fibonacci lattice, turned in each round."""
-    i = np.arange(_RAYS) + 0.5
-    height, azimuth = 1.0 - 2.0 * i / _RAYS, np.pi * (1.0 + np.sqrt(5.0)) * i
+def _directions(turn: int, n: int) -> Array:
+    """Spread unit vectors, shape=[n, 3], over the sphere: a Fibonacci lattice, turned in each round."""
+    i = np.arange(n) + 0.5
+    height, azimuth = 1.0 - 2.0 * i / n, np.pi * (1.0 + np.sqrt(5.0)) * i
     radius = np.sqrt(1.0 - height**2)
     lattice = np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), height], axis=-1)
     return quat.rotate(quat.exp(turn * np.array([0.7, 1.1, 0.4])), lattice)
-
-
-def _survey(moments: Array, vector: Array, best: Shots) -> None:
-    """Look for shorter geodesics in every direction, until two rounds have found nothing; writes to `best`."""
-    bi_invariant_energy = _bi_invariant_energy(moments, vector)
-    index = np.arange(len(moments))
-    for turn in range(_MAX_ROUNDS):
-        before = best.energy[index]
-        reach = np.minimum(before, bi_invariant_energy[index])
-        start, is_short_way = _passes(moments[index], vector[index], reach, turn)
-        way = np.where(is_short_way[..., None], vector[index, None], _long_way(vector[index])[:, None])
-        mirrored, mirrored_way = _mirrored(moments[index], vector[index], best.momentum[index])
-        candidates = np.concatenate([start, mirrored], axis=1)
-        ways = np.concatenate([way, mirrored_way], axis=1)
-        n_candidates = candidates.shape[1]
-        found = _shoot(
-            np.repeat(moments[index], n_candidates, axis=0),
-            ways.reshape(-1, 3),
-            candidates.reshape(-1, 3),
-            np.repeat(reach, n_candidates),
-        )
-        choice = found.energy.reshape(-1, n_candidates).argmin(axis=1) + n_candidates * np.arange(len(index))
-        shots = found.shots.reshape(-1, n_candidates).sum(axis=1)
-        best.keep_better(index, found.at(choice)._replace(shots=shots))
-        if turn + 1 >= _MIN_ROUNDS:
-            index = index[best.energy[index] < before]
-        if not len(index):
-            return
-
-
-def _passes(moments: Array, vector: Array, energy: Array, turn: int) -> tuple[Array, np.ndarray]:
-    """Return momenta, shape=[n, _CANDIDATES, 3], of rays that pass near the targets, and whether by the short way."""
-    n = len(moments)
-    momentum = np.sqrt(moments * energy[:, None])[:, None] * _directions(turn)
-    inverse = np.repeat(1.0 / moments, _RAYS, axis=0)
-    flat = momentum.reshape(-1, 3)
-    n_rays = n * _RAYS
-    parameter = np.tile(np.arange(1, _RAY_SAMPLES + 1) / _RAY_SAMPLES, n_rays)
-    first = np.arange(n_rays) * _RAY_SAMPLES
-    poses = np.empty((n_rays * _RAY_SAMPLES, 1, 4))
-    column = np.zeros(n_rays, dtype=np.intp)
-
-    def run(part: slice) -> None:
-        playback(inverse[part], flat[part], first[part], first[part] + _RAY_SAMPLES, parameter, column[part], poses)
-
-    in_threads(run, n_rays)
-    cosine = np.einsum("nrsi,ni->nrs", poses.reshape(n, _RAYS, _RAY_SAMPLES, 4), quat.exp(vector))
-    sample = np.abs(cosine).argmax(axis=2)
-    nearest = np.take_along_axis(cosine, sample[..., None], axis=2)[..., 0]
-    ray = np.argsort(-np.abs(nearest), axis=1, kind="stable")[:, :_CANDIDATES]
-    share = (np.take_along_axis(sample, ray, axis=1) + 1) / _RAY_SAMPLES
-    start = np.take_along_axis(momentum, ray[..., None], axis=1) * share[..., None]
-    return start, np.take_along_axis(nearest, ray, axis=1) > 0.0
-
-
-def _mirrored(moments: Array, vector: Array, momentum: Array) -> tuple[Array, Array]:
-    """Return momenta of the mirror images of geodesics, shape=[n, 12, 3], and the ways they go.
-
-    Half turns about the principal axes, and reversal of time, carry geodesics to geodesics. At the cut locus a shortest
-    geodesic and one of its images end at the same point; near it the image is a good start for the competitor.
-    """
-    body_momentum = quat.rotate(quat.conjugate(_ends(moments, momentum)), momentum)
-    flip = 1.0 - 2.0 * np.eye(3)
-    images = np.concatenate([body_momentum[:, None] * flip, momentum[:, None] * -flip], axis=1)
-    ways = np.stack([vector, _long_way(vector)], axis=1)
-    return np.tile(images, (1, 2, 1)), np.repeat(ways, images.shape[1], axis=1)
-
-
-def _ends(moments: Array, momentum: Array) -> Array:
-    """Return the ends of geodesics that start at the identity, shape=[n, 4]."""
-    n = len(moments)
-    end = np.empty((n, 1, 4))
-    index = np.arange(n)
-    playback(1.0 / moments, momentum, index, index + 1, np.ones(n), np.zeros(n, dtype=np.intp), end)
-    return end[:, 0]
