@@ -103,18 +103,24 @@ def edits(folder: Path, step: float, repeats: int) -> Iterator[Line]:
     yield Line(f"{what}: tension of one joint, dragged", "5 ms", f"{took:.1f} ms", took <= 5.0)
 
 
-def opening(folder: Path, n_frames: int) -> Line:
-    """Open a long clip, up to the first pose of an edit."""
+def opening(folder: Path, n_frames: int) -> Iterator[Line]:
+    """Open a long clip, up to the first pose of an edit, and edit it."""
     path = folder / "long.usdc"
     make_clip(path, n_frames, 24, 30.0)
 
-    def run() -> None:
+    def run() -> EditSession:
         session = EditSession.open(path)
         session.apply(EveryNth(SPACING))
         session.poses()
+        return session
 
+    what = f"24 joints x {n_frames} frames"
     took = seconds(run, 1, time.process_time)
-    return Line(f"opening 24 joints x {n_frames} frames, every 10th a key", "10 s", f"{took:.1f} s", took <= 10.0)
+    yield Line(f"{what}: opened, every 10th a key", "10 s", f"{took:.1f} s", took <= 10.0)
+    session = run()
+    joint = exactly(session.skeleton.joints[20])
+    took = 1e3 * latency(session, lambda value: Style(joint, alpha=value), True, 3)
+    yield Line(f"{what}: alpha of one joint, dragged", "", f"{took:.0f} ms")
 
 
 def measure(quick: bool) -> Iterator[Line]:
@@ -122,7 +128,7 @@ def measure(quick: bool) -> Iterator[Line]:
     with tempfile.TemporaryDirectory() as folder, one_core():
         for step in (30.0, 80.0, 150.0):
             yield from edits(Path(folder), step, 5 if quick else 15)
-        yield opening(Path(folder), 2000 if quick else 20_000)
+        yield from opening(Path(folder), 2000 if quick else 20_000)
 
 
 if __name__ == "__main__":

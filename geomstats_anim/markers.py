@@ -188,9 +188,9 @@ def largest_by_marker(animation: Animation, reference: Animation, markers: Marke
     for start in range(0, reference.n_frames, _CHUNK):
         frames = slice(start, start + _CHUNK)
         distances = np.zeros((len(reference.times[frames]), markers.n_markers))
-        _raise_distances(
-            animation.at_frames(frames), reference.at_frames(frames), markers, np.arange(len(largest)), distances
-        )
+        part, truth = animation.at_frames(frames), reference.at_frames(frames)
+        placed = joint_matrices(replace(part, world=truth.world)), joint_matrices(truth)
+        _raise_distances(*placed, markers, np.arange(len(largest)), distances)
         largest = np.maximum(largest, distances.max(axis=0))
     return largest
 
@@ -211,20 +211,23 @@ def world_errors(animation: Animation, reference: Animation, markers: Markers | 
         Metres: the largest among the markers that move most with each joint; 0 for a joint without markers.
     """
     markers = markers or Markers.of_bones(reference.skeleton)
-    distances = np.zeros((reference.n_frames, reference.n_joints))
-    _raise_distances(animation, reference, markers, markers.owners, distances)
+    placed = joint_matrices(replace(animation, world=reference.world)), joint_matrices(reference)
+    return distances_between(*placed, markers)
+
+
+def distances_between(matrices: Array, others: Array, markers: Markers) -> Array:
+    """Measure how far markers are apart under two motions, shape=[F, B]; see `world_errors`.
+
+    Parameters
+    ----------
+    matrices, others : array-like, shape=[F, B, 3, 4]
+        What `joint_matrices` gives.
+    markers : Markers
+    """
+    distances = np.zeros(matrices.shape[:2])
+    _raise_distances(matrices, others, markers, markers.owners, distances)
     return distances
 
 
-def _raise_distances(
-    animation: Animation, reference: Animation, markers: Markers, owners: np.ndarray, distances: Array
-) -> None:
-    kernel.largest_distances(
-        joint_matrices(replace(animation, world=reference.world)),
-        joint_matrices(reference),
-        owners,
-        markers.joints,
-        markers.offsets,
-        markers.weights,
-        distances,
-    )
+def _raise_distances(matrices: Array, others: Array, markers: Markers, owners: np.ndarray, distances: Array) -> None:
+    kernel.largest_distances(matrices, others, owners, markers.joints, markers.offsets, markers.weights, distances)

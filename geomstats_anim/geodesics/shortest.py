@@ -223,14 +223,12 @@ def _shoot(
     moments: Array,
     vector: Array,
     start: Array | None = None,
-    max_energy: Array | None = None,
     may_follow: bool = False,
     trusted: float = 0.0,
 ) -> Shots:
     """Run the compiled solver on a batch."""
     n = len(moments)
     start = np.full((n, 3), np.nan) if start is None else np.ascontiguousarray(start)
-    max_energy = np.full(n, np.inf) if max_energy is None else max_energy
     momentum, residual = np.zeros((n, 3)), np.zeros(n)
     status, shots = np.zeros(n, dtype=np.intp), np.zeros(n, dtype=np.intp)
 
@@ -239,7 +237,6 @@ def _shoot(
             moments[part],
             vector[part],
             start[part],
-            max_energy[part],
             may_follow,
             trusted,
             momentum[part],

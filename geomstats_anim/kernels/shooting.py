@@ -86,7 +86,7 @@ def _guess(vector, moments):
 
 
 @compiled
-def _begin(lane, problem, moments, vector, start, max_energy):
+def _begin(lane, problem, moments, vector, start):
     """Give a lane a new problem."""
     lane.problem = problem
     lane.shots = 0
@@ -100,7 +100,6 @@ def _begin(lane, problem, moments, vector, start, max_energy):
         lane.solved[i] = vector[i]
     lane.tau, lane.tau_step = 0.0, 1.0
     _aim(lane)
-    lane.bound = min(lane.bound, max_energy)
     if not np.isnan(start[0]):
         for i in range(3):
             lane.trial[i] = start[i]
@@ -242,7 +241,7 @@ def _aim_lane(lane, number, inverse, trial, rotation, variation):
 
 
 @compiled
-def shoot(moments, vector, start, max_energy, may_follow, trusted, momentum, residual, status, shots):
+def shoot(moments, vector, start, may_follow, trusted, momentum, residual, status, shots):
     """Find the momenta of geodesics from the identity to given rotations.
 
     Parameters
@@ -252,8 +251,6 @@ def shoot(moments, vector, start, max_energy, may_follow, trusted, momentum, res
         Rotation vectors of the targets, radians, shorter than 2 pi; one longer than pi asks for the long way round.
     start : array-like, shape=[n, 3]
         Momenta to start from; not a number: guess.
-    max_energy : array-like, shape=[n]
-        Squared length that the geodesic is known not to need.
     may_follow : bool
         Whether to follow the metric from the bi-invariant one if Newton fails.
     trusted : float
@@ -291,7 +288,7 @@ def shoot(moments, vector, start, max_energy, may_follow, trusted, momentum, res
                     lane.problem = -1
                     n_active -= 1
             if lane.problem < 0 and upcoming < n:
-                _begin(lane, upcoming, moments[upcoming], vector[upcoming], start[upcoming], max_energy[upcoming])
+                _begin(lane, upcoming, moments[upcoming], vector[upcoming], start[upcoming])
                 upcoming += 1
                 n_active += 1
             time[0, number], steps[number] = 0.0, 0

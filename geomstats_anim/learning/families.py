@@ -79,8 +79,8 @@ class Families:
                 found.append(self._search(*key, found))
                 starts = found[-1].starts
             best = min(found, key=lambda optimum: optimum.quality)
-            # the plain metric may win on one side; its joints are mixed from where the search has led all the same
-            self._known[key] = best._replace(starts=best.starts or starts)
+            # a contained one may win on one side; its joints are mixed from where the search has led all the same
+            self._known[key] = best._replace(starts=starts or best.starts)
         return self._known[key]
 
     def _contained(self, scheme: str, family: str, invariance: str) -> list[Optimum]:

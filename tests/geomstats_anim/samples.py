@@ -71,7 +71,7 @@ def best_of_random_starts(rng, inertia, vector, n_starts):
         momentum, residual = np.zeros((n, 3)), np.zeros(n)
         status, shots = np.zeros(n, dtype=np.intp), np.zeros(n, dtype=np.intp)
         way = np.ascontiguousarray(long_way if start % 2 else vector)
-        shoot(inertia, way, trial, np.full(n, np.inf), False, 0.0, momentum, residual, status, shots)
+        shoot(inertia, way, trial, False, 0.0, momentum, residual, status, shots)
         best = np.where(status == CONVERGED, np.minimum(best, (momentum**2 / inertia).sum(-1)), best)
     return best
 

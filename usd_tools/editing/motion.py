@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from geomstats_anim import Animation, Skeleton, interpolate
-from geomstats_anim.markers import joint_matrices
+from geomstats_anim.markers import Markers, joint_matrices
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.downsampling.thinning import SampleSelection, sampled_alike
 from usd_tools.files.stages import open_stage
@@ -117,6 +117,11 @@ class EditableMotion:
     def matrices(self) -> np.ndarray:
         """Return where the original's joints are in the world, shape=[F, B, 3, 4]; see `joint_matrices`."""
         return joint_matrices(self.original)
+
+    @cached_property
+    def ends(self) -> Markers:
+        """Return the ends of bones, whose distances are errors."""
+        return Markers.of_ends(self.skeleton)
 
     @cached_property
     def held(self) -> Animation:

@@ -13,7 +13,7 @@ from geomstats_anim.animation import descendants
 from geomstats_anim.geodesics.shortest import Effort
 from geomstats_anim.interpolation.curves import Curve, Fallback
 from geomstats_anim.interpolation.metric_schemes import Geodesic
-from geomstats_anim.markers import place_some
+from geomstats_anim.markers import distances_between, place_some
 from geomstats_anim.names import WITH_METRIC
 from geomstats_anim.rotations import Array
 from usd_tools.editing.motion import EditableMotion
@@ -39,6 +39,10 @@ class EditErrors:
     centimetres: Array
 
 
+_ARRAYS = ("rotations", "translations", "matrices", "degrees", "centimetres")
+"""What an edit changes in parts."""
+
+
 @dataclass(frozen=True, eq=False)
 class RebuiltMotion:
     """Motion rebuilt from keys.
@@ -56,8 +60,8 @@ class RebuiltMotion:
         At the frames.
     matrices : array-like, shape=[F, B, 3, 4]
         Of joints in the world, see `joint_matrices`.
-    errors : EditErrors
-        Distances from the original.
+    degrees, centimetres : array-like, shape=[F, B]
+        Distances from the original at all frames, see `EditErrors`.
     """
 
     motion: EditableMotion
@@ -67,7 +71,8 @@ class RebuiltMotion:
     rotations: Array
     translations: Array
     matrices: Array
-    errors: EditErrors
+    degrees: Array
+    centimetres: Array
 
     @classmethod
     def of(cls, motion: EditableMotion, state: EditState) -> RebuiltMotion:
@@ -79,7 +84,7 @@ class RebuiltMotion:
             for part, kept in zip(motion.parts, state.keyframes(motion), strict=True)
         )
         shown = _at(motion, curves, motion.held)
-        blank, n_joints = np.zeros((len(motion.sampled), motion.skeleton.n_joints)), motion.skeleton.n_joints
+        shape = (len(motion.codes), motion.skeleton.n_joints)
         new = cls(
             motion,
             state,
@@ -87,10 +92,11 @@ class RebuiltMotion:
             "thorough",
             np.array(shown.rotations),
             np.array(shown.translations),
-            np.empty((len(motion.codes), n_joints, 3, 4)),
-            EditErrors(motion.sampled, blank, blank.copy()),
+            np.empty((*shape, 3, 4)),
+            np.zeros(shape),
+            np.zeros(shape),
         )
-        new._place(np.arange(n_joints), np.arange(n_joints))
+        new._place(np.arange(shape[1]), np.arange(shape[1]))
         return new
 
     def following(self, state: EditState, effort: Effort = "thorough") -> RebuiltMotion:
@@ -101,16 +107,12 @@ class RebuiltMotion:
             return RebuiltMotion.of(self.motion, state)
         if state.metric.scheme not in WITH_METRIC:
             return self
-        errors = replace(self.errors, degrees=self.errors.degrees.copy(), centimetres=self.errors.centimetres.copy())
         new = replace(
             self,
             state=state,
             effort=effort,
             curves=tuple(curve.with_metric(state.metric, effort) for curve in self._geodesics),
-            rotations=self.rotations.copy(),
-            translations=self.translations.copy(),
-            matrices=self.matrices.copy(),
-            errors=errors,
+            **{name: getattr(self, name).copy() for name in _ARRAYS},
         )
         turned, moved = new._take_changes(self)
         new._place(turned, np.union1d(turned, moved))
@@ -127,6 +129,12 @@ class RebuiltMotion:
     def animation(self) -> Animation:
         """Return the motion at the frames."""
         return replace(self.motion.original, rotations=self.rotations, translations=self.translations)
+
+    @property
+    def errors(self) -> EditErrors:
+        """Distances from the original, where the clip has samples."""
+        frames = self.motion.sampled
+        return EditErrors(frames, self.degrees[frames], self.centimetres[frames])
 
     @property
     def fallbacks(self) -> tuple[Fallback, ...]:
@@ -154,15 +162,13 @@ class RebuiltMotion:
 
     def _place(self, turned: np.ndarray, changed: np.ndarray) -> None:
         """Write the matrices and errors of joints that have changed, and of all below them."""
-        truth, frames = self.motion.original, self.motion.sampled
+        motion, truth = self.motion, self.motion.original
         below = descendants(truth.skeleton, changed)
         place_some(truth, self.rotations, self.translations, below, self.matrices)
-        angles = quat.distance(truth.rotations[np.ix_(frames, turned)], self.rotations[np.ix_(frames, turned)])
-        self.errors.degrees[:, turned] = np.degrees(angles)
-        ends = truth.skeleton.bone_ends[below, :, None]
-        gaps = self.matrices[np.ix_(frames, below)] - self.motion.matrices[np.ix_(frames, below)]
-        moved = (gaps[..., :3] @ ends)[..., 0] + gaps[..., 3]
-        self.errors.centimetres[:, below] = 100.0 * np.sqrt((moved**2).sum(axis=-1))
+        angles = quat.distance(truth.rotations[:, turned], self.rotations[:, turned])
+        self.degrees[:, turned] = np.degrees(angles)
+        distances = distances_between(self.matrices, motion.matrices, motion.ends.chosen(below))
+        self.centimetres[:, below] = 100.0 * distances[:, below]
 
 
 def _at(motion: EditableMotion, curves: tuple[Curve, ...], base: Animation) -> Animation:

@@ -48,7 +48,7 @@ def test_a_geodesic_that_is_longer_than_another_is_not_certified():
 @pytest.mark.parametrize("odd", [1.5, 2.5, 4.0, 20.0])
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_turns_about_the_odd_axis_of_two_equal_moments(odd, axis):
-    # geodesics nearby turn about their momentum by |m| / I1, see `oracles.two_equal_moments`: they meet after a full turn
+    # geodesics nearby turn about their momentum by |m| / I1, see `oracles.two_equal_moments`, and meet after a turn
     moments = np.ones(3)
     moments[axis] = odd
     cut = min(np.pi, 2.0 * np.pi / odd)
