@@ -8,6 +8,7 @@ Codes are time codes of the stage; a value that does not apply is null.
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import sys
@@ -15,8 +16,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from usd_tools.console.errors import print_warning, run
+from usd_tools.batch.result import FAILED, print_problems
+from usd_tools.console.arguments import whole_number
+from usd_tools.console.errors import UsageError, print_warning, run
 from usd_tools.console.parser import ArgumentParser
+from usd_tools.console.progress import ProgressBar
 from usd_tools.inspection.result import InspectResult
 
 if TYPE_CHECKING:
@@ -105,17 +109,31 @@ def parser(prog: str = PROG) -> ArgumentParser:
         prog=prog,
         description="Show the skeletal animation of a USD file, and warn of what may go wrong.",
     )
-    parse.add_argument("input", metavar="IN", type=Path, help="USD file")
-    parse.add_argument("--json", action="store_true", help="print JSON instead of tables")
+    parse.add_argument(
+        "input",
+        metavar="IN",
+        nargs="+",
+        type=Path,
+        help="USD file; of several, or of folders: a row for each animation, and the takes of each rig",
+    )
+    form = parse.add_mutually_exclusive_group()
+    form.add_argument("--json", action="store_true", help="print JSON instead of tables")
+    form.add_argument("--csv", action="store_true", help="print the rows of several files as CSV")
+    parse.add_argument("--jobs", metavar="N", type=whole_number, help="processes for several files; default: 1")
     return parse
 
 
 def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
     """Run the command and return its exit code."""
-    args = parser(prog).parse_args(argv)
+    parse = parser(prog)
+    args = parse.parse_args(argv)
 
     def command() -> int:
-        result = inspect(args.input, warn=print_warning)
+        if len(args.input) > 1 or args.input[0].is_dir():
+            return _inspect_several(args)
+        if args.csv or args.jobs:
+            raise UsageError(f"--{'csv' if args.csv else 'jobs'} is for several files or a folder; leave it out")
+        result = inspect(args.input[0], warn=print_warning)
         if args.json:
             print(json.dumps(result.as_dict(), indent=2))
         else:
@@ -124,7 +142,28 @@ def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
             print_summary(result)
         return 0
 
-    return run(command)
+    return run(command, parse.error)
+
+
+def _inspect_several(args: argparse.Namespace) -> int:
+    """Print a row for each animation of several files; return the exit code."""
+    from usd_tools.batch.options import BatchOptions
+    from usd_tools.batch.run import run_tasks
+    from usd_tools.batch.tasks import find_tasks
+    from usd_tools.files.paths import EXTENSIONS
+    from usd_tools.inspection.folder import FolderResult, inspect_task
+
+    tasks = find_tasks(args.input, None, EXTENSIONS, None)
+    with ProgressBar() as bar:
+        files = run_tasks(inspect_task, tasks, None, BatchOptions(jobs=args.jobs or 1), print_problems, bar)
+    result = FolderResult(files)
+    if args.json:
+        print(json.dumps(result.as_dict(), indent=2))
+    elif args.csv:
+        print(result.as_csv(), end="")
+    else:
+        result.print_summary()
+    return 1 if any(file.status == FAILED for file in files) else 0
 
 
 if __name__ == "__main__":

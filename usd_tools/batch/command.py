@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
 from usd_tools.batch.options import BatchOptions
-from usd_tools.batch.result import FAILED, SKIPPED, WRITTEN, BatchResult, FileResult
+from usd_tools.batch.result import FAILED, SKIPPED, WRITTEN, BatchResult, FileResult, print_problems
 from usd_tools.batch.run import Verb, run_tasks
 from usd_tools.batch.tasks import find_tasks
-from usd_tools.console.errors import UsageError, print_warning
+from usd_tools.console.errors import UsageError
 from usd_tools.console.options import Options
 from usd_tools.console.progress import ProgressBar
-from usd_tools.console.text import counted, print_to, say
+from usd_tools.console.text import counted, say
 from usd_tools.files.atomic import write_json
 from usd_tools.files.paths import EXTENSIONS, check_output
 
@@ -93,12 +92,8 @@ def _for_each(options: Options) -> Any:
 
 
 def _print_file(result: FileResult) -> None:
-    for sentence in result.warnings:
-        print_warning(f"{result.source}: {sentence}")
-    if result.status == FAILED:
-        sentence = result.brief if result.source in result.brief else f"{result.source}: {result.brief}"
-        print_to(sys.stderr, f"error: {sentence}")
-    elif result.status == WRITTEN:
+    print_problems(result)
+    if result.status == WRITTEN:
         say(f"{result.source}: {result.brief}")
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from collections import Counter
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 from geomstats_anim._version import __version__
+from usd_tools.console.errors import print_warning
+from usd_tools.console.text import print_to
 
 WRITTEN, SKIPPED, FAILED = "written", "skipped", "failed"
 
@@ -51,6 +54,15 @@ class FileResult:
     brief: str
     warnings: tuple[str, ...] = ()
     report: dict[str, Any] | None = None
+
+
+def print_problems(result: FileResult) -> None:
+    """Print the warnings of a file, or why it has failed, on stderr."""
+    for sentence in result.warnings:
+        print_warning(f"{result.source}: {sentence}")
+    if result.status == FAILED:
+        sentence = result.brief if result.source in result.brief else f"{result.source}: {result.brief}"
+        print_to(sys.stderr, f"error: {sentence}")
 
 
 @dataclass(frozen=True)

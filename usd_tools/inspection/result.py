@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from usd_tools.console.text import counted
+
 
 @dataclass(frozen=True)
 class InspectResult:
@@ -26,7 +28,8 @@ class InspectResult:
         prim, joints, animation, instance, size (at rest in the world, metres), joints_off_bind_pose (elsewhere at
         rest).
     animations : tuple of dict
-        prim, instances, skeletons, error (then nothing more), joints, still_joints, blend_shapes, meters_per_unit (in
+        prim, instances, skeletons, error (then nothing more), joints, rig (8 digits, the same for the same joints),
+        still_joints, blend_shapes, meters_per_unit (in
         the world), channels (a name each: samples, value_blocks, held_gaps, from), samples, codes and seconds (first
         and last), samples_per_second, evenly_spaced, samples_of_source (of a sparse animation), stepped_pairs,
         largest_step and wide_steps (joint, start, end, degrees), largest_step_joint (its short name), sign_flips,
@@ -46,6 +49,11 @@ class InspectResult:
     skeletons: tuple[dict[str, Any], ...]
     animations: tuple[dict[str, Any], ...]
     warnings: tuple[str, ...]
+
+    @property
+    def brief(self) -> str:
+        """What is there, in a few words."""
+        return counted(len(self.animations), "animation")
 
     def as_dict(self) -> dict[str, Any]:
         """Return what `--json` prints."""
