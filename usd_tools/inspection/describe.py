@@ -19,6 +19,7 @@ from usd_tools.inspection.result import InspectResult
 from usd_tools.metrics import explain as metric_meaning
 from usd_tools.metrics.attributes import read_source_codes, summary
 from usd_tools.metrics.explain import joint_meanings
+from usd_tools.metrics.validation import validate_metric
 from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip, read_clip
 from usd_tools.skel.find import AnimationSource, find_animations
@@ -218,6 +219,8 @@ def _count_still(clip: SkelClip) -> int:
 
 
 def _describe_metric(source: AnimationSource, messages: Messages) -> dict[str, Any] | None:
+    for problem in validate_metric(source.prim):
+        messages.warn(problem)
     try:
         metric = stored_metric(source)
     except ToolError as error:

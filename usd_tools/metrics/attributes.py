@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,9 @@ from geomstats_anim.learned_metric import FORMAT_VERSION
 from geomstats_anim.strict_json import dump_json, parse_json
 from usd_tools.console.errors import ToolError
 from usd_tools.console.text import counted
+from usd_tools.metrics.schema import apply_schema, register_schema
+
+register_schema()
 
 NAMESPACE = "geodesicMetric"
 
@@ -67,7 +70,8 @@ def write_metric(spec: Sdf.PrimSpec, metric: LearnedMetric, hide_axes: bool = Fa
     elif hide_axes:
         values["axes"] = Sdf.ValueBlock()
     for name, value in values.items():
-        _attribute(spec, f"{NAMESPACE}:{name}", _TYPES[name]).default = value
+        _attribute(spec, f"{NAMESPACE}:{name}", _TYPES[name], custom=False).default = value
+    apply_schema(spec)
     # One string: USD merges the dictionaries of layers, and entries of an older metric would show through.
     entries = {"quality": metric.quality, _PROVENANCE: dump_json(dict(metric.provenance))}
     spec.customData = {**dict(spec.customData), NAMESPACE: entries}
@@ -109,29 +113,11 @@ def read_metric(prim: Usd.Prim) -> LearnedMetric | None:
     ToolError
         If an attribute is missing, has the wrong type or size, or makes no metric.
     """
-    attributes = {name: prim.GetAttribute(f"{NAMESPACE}:{name}") for name in _TYPES}
-    values: dict[str, Any] = {name: attribute.Get() if attribute else None for name, attribute in attributes.items()}
+    values = _values(prim)
     if all(value is None for value in values.values()):
         return None
-    version = values["version"]
-    if version is not None and version != FORMAT_VERSION:
-        raise ToolError(
-            f"{prim.GetPath()}: {NAMESPACE}:version is {version}, but this program reads {FORMAT_VERSION}; update it."
-        )
-    for name, value in values.items():
-        if value is None and name not in _OPTIONAL:
-            raise ToolError(f"{prim.GetPath()}: {NAMESPACE}:{name} is missing; write the whole metric, or remove it.")
-        if value is not None and attributes[name].GetTypeName() != _TYPES[name]:
-            raise ToolError(
-                f"{prim.GetPath()}: {NAMESPACE}:{name} has type {attributes[name].GetTypeName()}; it must have type "
-                f"{_TYPES[name]}."
-            )
-    n_joints = len(values["joints"])
-    for name in ("alpha", "beta", "tension", "translationTension", "axes", "invariance"):
-        if values[name] is not None and len(values[name]) != n_joints:
-            raise ToolError(
-                f"{prim.GetPath()}: {NAMESPACE}:{name} has {len(values[name])} values for {n_joints} joints."
-            )
+    for fault in _faults(prim, values):
+        raise ToolError(fault)
     axes = values["axes"]
     try:
         stored = prim.GetCustomDataByKey(NAMESPACE)
@@ -153,6 +139,33 @@ def read_metric(prim: Usd.Prim) -> LearnedMetric | None:
         )
     except ValueError as error:
         raise ToolError(f"{prim.GetPath()}: the stored metric is invalid: {error}") from error
+
+
+def metric_faults(prim: Usd.Prim) -> list[str]:
+    """Return what is wrong with the attributes of a metric, a sentence each; empty where there are none."""
+    values = _values(prim)
+    return [] if all(value is None for value in values.values()) else list(_faults(prim, values))
+
+
+def _values(prim: Usd.Prim) -> dict[str, Any]:
+    return {name: prim.GetAttribute(f"{NAMESPACE}:{name}").Get() for name in _TYPES}
+
+
+def _faults(prim: Usd.Prim, values: Mapping[str, Any]) -> Iterator[str]:
+    version = values["version"]
+    if version is not None and version != FORMAT_VERSION:
+        yield f"{prim.GetPath()}: {NAMESPACE}:version is {version}, but this program reads {FORMAT_VERSION}; update it."
+    for name, value in values.items():
+        if value is None:
+            if name not in _OPTIONAL:
+                yield f"{prim.GetPath()}: {NAMESPACE}:{name} is missing; write the whole metric, or remove it."
+            continue
+        # The attribute itself has the schema's type, whatever a layer says.
+        type_name = prim.GetAttribute(f"{NAMESPACE}:{name}").GetPropertyStack()[0].typeName
+        if type_name != _TYPES[name]:
+            yield f"{prim.GetPath()}: {NAMESPACE}:{name} has type {type_name}; it must have type {_TYPES[name]}."
+        elif _TYPES[name].isArray and values["joints"] is not None and len(value) != len(values["joints"]):
+            yield f"{prim.GetPath()}: {NAMESPACE}:{name} has {len(value)} values for {len(values['joints'])} joints."
 
 
 def write_source_codes(spec: Sdf.PrimSpec, codes: np.ndarray, cuts: np.ndarray | None = None) -> None:
@@ -216,12 +229,9 @@ def read_source_cuts(prim: Usd.Prim, n_codes: int) -> np.ndarray:
     return cuts
 
 
-def _attribute(spec: Sdf.PrimSpec, name: str, type_name: Sdf.ValueTypeName) -> Sdf.AttributeSpec:
-    found = spec.attributes.get(name)
-    if found is not None:
-        return found
-    attribute = Sdf.AttributeSpec(spec, name, type_name)
-    attribute.custom = True
+def _attribute(spec: Sdf.PrimSpec, name: str, type_name: Sdf.ValueTypeName, custom: bool = True) -> Sdf.AttributeSpec:
+    attribute = spec.attributes.get(name) or Sdf.AttributeSpec(spec, name, type_name)
+    attribute.custom = custom
     return attribute
 
 

@@ -25,7 +25,7 @@ def test_round_trip(tmp_path, axes, extension):
     stage = Usd.Stage.Open(str(tmp_path / f"metric.{extension}"))
     again = read_metric(stage.GetPrimAtPath(ANIMATION))
     assert again.to_json() == metric.to_json()
-    assert stage.GetPrimAtPath(ANIMATION).HasAttribute("geodesicMetric:axes") == axes
+    assert stage.GetPrimAtPath(ANIMATION).GetAttribute("geodesicMetric:axes").HasAuthoredValue() == axes
     entries = stage.GetPrimAtPath(ANIMATION).GetCustomDataByKey("geodesicMetric")
     assert json.loads(entries["provenance"])["source"] == "walk.usda"
 
@@ -127,7 +127,8 @@ def test_wrong_type(tmp_path):
     prim = stage.GetPrimAtPath(ANIMATION)
     write_metric(stage.GetRootLayer().GetPrimAtPath(ANIMATION), some_metric())
     prim.RemoveProperty("geodesicMetric:alpha")
-    prim.CreateAttribute("geodesicMetric:alpha", Sdf.ValueTypeNames.FloatArray).Set([1.0, 1.0, 1.0])
+    spec = stage.GetRootLayer().GetPrimAtPath(ANIMATION)  # a stage makes the attribute with the schema's type
+    Sdf.AttributeSpec(spec, "geodesicMetric:alpha", Sdf.ValueTypeNames.FloatArray).default = Vt.FloatArray([1, 1, 1])
     with pytest.raises(ToolError, match="geodesicMetric:alpha has type float\\[\\]; it must have type double\\[\\]"):
         read_metric(prim)
 
