@@ -10,6 +10,7 @@ from geomstats_anim._version import __version__
 from usd_tools.console.text import did_you_mean, printable
 
 VERBS = {
+    "demo": "see what this is about: a clip rebuilt from a tenth of its samples",
     "inspect": "show the skeletal animation of a file, and warn of what may go wrong",
     "from_bvh": "convert motion capture in BVH to UsdSkel",
     "upsample": "add samples, along geodesics of a metric",
