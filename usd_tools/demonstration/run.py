@@ -30,13 +30,13 @@ def make_demo(out: Path, progress: ProgressCallback | None, warn: Callable[[str]
         clip = folder / f"{_MOTION}.usda"
         clip.write_text(stage.GetRootLayer().ExportToString(), encoding="utf-8", newline="\n")
         compared = compare_files([clip], folder / "comparison", options, progress, warn)
-    rows = [row for row in compared.rows if not row.out_of_sample]
+    rows = [row for row in compared.as_dict()["rows"] if not row["out_of_sample"]]
     return DemoResult(
         out,
         out / clip.name,
         out / "comparison" / "index.html",
         out / "comparison" / "figures" / f"{_MOTION}-overlay.png",
-        rows[0].frames,
-        rows[0].keys,
-        {row.scheme: (row.mean_location_cm, row.max_location_cm) for row in rows},
+        rows[0]["frames"],
+        rows[0]["keys"],
+        {row["scheme"]: (row["mean_location_cm"], row["max_location_cm"]) for row in rows},
     )
