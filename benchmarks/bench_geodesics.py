@@ -163,7 +163,7 @@ def log_speed(n: int, repeats: int) -> Iterator[Line]:
 
         run()
         with one_core():
-            one = initial.shape[0] * 100 / seconds(run, repeats)
+            one = initial.shape[0] * 100 / seconds(run, repeats, time.process_time)
         two = initial.shape[0] * 100 / seconds(run, repeats)
         what = f"logs per second, {low} to {high} deg, condition up to {condition:g}"
         met = None if bar is None else one >= bar

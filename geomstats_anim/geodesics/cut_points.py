@@ -59,9 +59,13 @@ class CutPoints(NamedTuple):
 def cut_points(moments: Array, momentum: Array) -> CutPoints:
     """Find out whether geodesics from the identity are the shortest, by their moments and momenta, shape=[n, 3]."""
     found = CutPoints(np.empty(len(moments), dtype=bool), np.empty((len(moments), 3)))
-    for begin in range(0, len(moments), _PART):
-        part = slice(begin, begin + _PART)
-        _look(moments[part], momentum[part], CutPoints(*(values[part] for values in found)))
+
+    def run(part: slice) -> None:
+        for begin in range(part.start, part.stop, _PART):
+            own = slice(begin, min(begin + _PART, part.stop))
+            _look(moments[own], momentum[own], CutPoints(*(values[own] for values in found)))
+
+    in_threads(run, len(moments))
     return found
 
 

@@ -24,8 +24,8 @@ _DIRECTIONS, _LENGTHS = 4, 12
 _ROUNDS = (0, 0, 4, 0, 8, 0, 8, 0, 16, 0, 16, 0, 16, 0)
 """Shots of each round at a target, that start from geodesics in all directions; 0: from images of those before."""
 
-_SEARCH_PART = 1024
-"""Problems searched at once; bounds the memory."""
+_SEARCH_PART, _FEW = 1024, 256
+"""Problems searched at once: at most, which bounds the memory, and in a thread of their own."""
 
 _CERTAIN = 1.0 + 1e-12
 _SHORTER = 1.0 - 1e-9
@@ -130,9 +130,13 @@ def shortest_momenta(moments: Array, vector: Array, start: Array | None = None, 
         best.keep_better(index, _shoot(moments[index], vector[index], start[index], trusted=trusted))
         index = index[doubtful(best.at(index), moments[index], vector[index])]
     search = _search if is_thorough else _follow
-    for begin in range(0, len(index), _SEARCH_PART):
-        part = index[begin : begin + _SEARCH_PART]
-        best.replace(part, search(moments[part], vector[part]))
+
+    def run(part: slice) -> None:
+        for begin in range(part.start, part.stop, _SEARCH_PART):
+            own = index[begin : min(begin + _SEARCH_PART, part.stop)]
+            best.replace(own, search(moments[own], vector[own]))
+
+    in_threads(run, len(index), _FEW)
     return best
 
 

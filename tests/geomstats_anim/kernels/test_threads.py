@@ -25,3 +25,19 @@ def test_an_error_in_a_thread_is_raised(monkeypatch):
 
     with pytest.raises(RuntimeError, match="broken"):
         threads.in_threads(run, 5000)
+
+
+def test_parts_are_not_cut_again(monkeypatch):
+    monkeypatch.setattr(threads.os, "sched_getaffinity", lambda _: {0, 1}, raising=False)
+    seen, sizes = np.zeros(5000, dtype=int), []
+
+    def run(part):
+        def inner(part_of_it):
+            sizes.append(part_of_it.stop - part_of_it.start)
+            seen[part][part_of_it] += 1
+
+        threads.in_threads(inner, part.stop - part.start)
+        assert sizes[-1] == part.stop - part.start
+
+    threads.in_threads(run, 5000, least=1200)
+    assert (seen == 1).all() and sorted(sizes) == [1250] * 4
