@@ -32,6 +32,12 @@ LARGEST = "max"
 SHELL_RADIUS = 0.03
 """Metres from a joint to the points of its shell: about half the thickness of a forearm."""
 
+WEIGHTS_TOLERANCE = 0.01
+"""Default tolerance of blend shape weights: they are authored in percent, and less than this is not seen."""
+
+EFFORTS = ("full", "fast")
+"""Efforts of packing, the default first."""
+
 MEASURES = ("ends", "shell", "skin")
 """Points that a tolerance is about: joints and bone ends; points around joints too; points of the skin too."""
 

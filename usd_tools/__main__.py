@@ -16,6 +16,8 @@ VERBS = {
     "upsample": "add samples, along geodesics of a metric",
     "resample": "exactly F samples per second, on whole frames",
     "downsample": "keep few samples, and the metric that rebuilds the others",
+    "pack": "few bytes, every sample within a tolerance",
+    "unpack": "the samples of packed animation",
     "learn": "learn the metric that rebuilds or predicts animation best",
     "live": "see a character play, and bend its in-betweens with the mouse",
     "compare": "compare interpolation schemes, and write a report",

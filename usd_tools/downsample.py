@@ -12,7 +12,15 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from geomstats_anim.names import CRITERIA, DEFAULT_SCHEME, FAMILIES, MEASURES, SCHEME_NAMES, SELECTIONS
+from geomstats_anim.names import (
+    CRITERIA,
+    DEFAULT_SCHEME,
+    FAMILIES,
+    MEASURES,
+    SCHEME_NAMES,
+    SELECTIONS,
+    WEIGHTS_TOLERANCE,
+)
 from usd_tools.batch.tasks import is_batch
 from usd_tools.console.arguments import (
     add_inputs,
@@ -27,7 +35,7 @@ from usd_tools.console.arguments import (
 from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.progress import ProgressBar, ProgressCallback
-from usd_tools.downsampling.options import WEIGHTS_TOLERANCE, DownsampleOptions
+from usd_tools.downsampling.options import DownsampleOptions
 from usd_tools.downsampling.result import DownsampledAnimation, DownsampleResult
 
 if TYPE_CHECKING:

@@ -14,14 +14,12 @@ from geomstats_anim.names import (
     SCHEME_NAMES,
     SELECTIONS,
     SHELL_RADIUS,
+    WEIGHTS_TOLERANCE,
     WITH_METRIC,
 )
 from usd_tools.console.arguments import TimeCodes, as_time_codes, positive_number, share, whole_number
 from usd_tools.console.errors import UsageError
 from usd_tools.console.options import OutputOptions, one_of, option
-
-WEIGHTS_TOLERANCE = 0.01
-"""Blend shapes are authored in percent: less than this is not seen."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -123,6 +123,14 @@ class Channel:
         return replace(self, codes=self.codes[kept], values=self.values[kept], blocked=self.blocked[kept])
 
 
+def held(channel: Channel, codes: np.ndarray) -> Channel:
+    """Hold every sample of a channel until the next, and the first one before; value blocks block, and stay alone."""
+    last = np.maximum(np.searchsorted(channel.codes, codes, side="right") - 1, 0)
+    kept = ~channel.blocked[last] | np.isin(codes, channel.codes)
+    last = last[kept]
+    return replace(channel, codes=codes[kept], values=channel.values[last], blocked=channel.blocked[last])
+
+
 def sampled_alike(channels: Mapping[str, Channel]) -> list[tuple[str, ...]]:
     """Group channels that have the same samples and blocks."""
     groups: dict[tuple[object, ...], list[str]] = {}

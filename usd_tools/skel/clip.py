@@ -19,6 +19,7 @@ from usd_tools.skel.blocks import frame_blocks
 from usd_tools.skel.channels import JOINT_CHANNELS, VALUE_CLIPS, Channel, read_channel, sampled_alike, step_pairs
 from usd_tools.skel.find import BINDING, AnimationSource, chosen_variants, find_binding
 from usd_tools.skel.joint_names import names_note, read_names
+from usd_tools.skel.packed import PackedMotion, read_packed, unpacked_channels
 from usd_tools.skel.skeleton import BoundSkeleton, metres_per_unit, read_skeleton, world_matrices
 from usd_tools.skel.source_codes import stored_source_codes
 
@@ -307,7 +308,8 @@ def read_clip(source: AnimationSource) -> SkelClip:
     rate = source.stage.GetTimeCodesPerSecond()
     for channel in channels.values():
         _check_times(source.path, channel.codes, rate)
-    bound = read_skeleton(source, joints, channels)
+    packed = read_packed(source.prim, channels)
+    bound = read_skeleton(source, joints, channels if packed is None else _at_all_frames(channels, packed))
     absent = [name for name in JOINT_CHANNELS if name not in channels and not _is_blocked(source.prim, name)]
     is_partly_authored = joints and any(name in channels for name in JOINT_CHANNELS)
     missing = _rest_values(bound, absent) if is_partly_authored else {}
@@ -322,6 +324,8 @@ def read_clip(source: AnimationSource) -> SkelClip:
         bound.world_scale,
         rate,
     )
+    if packed is not None:
+        clip = replace(clip, channels={**channels, **unpacked_channels(clip, packed)})
     stored = stored_source_codes(source.prim, clip.codes)
     if stored is not None:
         # The samples that are left say nothing of the gaps between them.
@@ -332,6 +336,14 @@ def read_clip(source: AnimationSource) -> SkelClip:
     about_names = names_note(clip.source.rig[0] if clip.source.rig else source.prim)
     notes += [] if about_names is None else [about_names]
     return replace(clip, notes=(*notes, *_binding_notes(clip), *_composition_notes(clip)))
+
+
+def _at_all_frames(channels: Mapping[str, Channel], packed: PackedMotion) -> dict[str, Channel]:
+    """Return channels of a packed animation as far as a skeleton depends on them: when they are, and their start."""
+    return {
+        name: replace(channel, codes=packed.codes) if len(channel.codes) else channel
+        for name, channel in channels.items()
+    }
 
 
 def _read_channels(source: AnimationSource, joints: Sequence[str]) -> tuple[dict[str, Channel], list[str]]:

@@ -12,7 +12,7 @@ from geomstats_anim import SCHEMES, Animation, LearnedMetric
 from geomstats_anim.interpolation.curves import Curve, Fallback
 from usd_tools.console.errors import ToolError
 from usd_tools.skel.blocks import joint_blocks
-from usd_tools.skel.channels import Channel, sampled_alike, step_pairs
+from usd_tools.skel.channels import Channel, held, sampled_alike, step_pairs
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.frame_rates import rate_like
 
@@ -221,14 +221,6 @@ def animation_of(clip: SkelClip) -> Animation:
     names = tuple(name for name, channel in clip.channels.items() if channel.is_animated)
     together = sampled_together(clip)
     return together.keys(names, ~together.channels[names[0]].blocked)
-
-
-def held(channel: Channel, codes: np.ndarray) -> Channel:
-    """Hold every sample of a channel until the next, and the first one before; value blocks block, and stay alone."""
-    last = np.maximum(np.searchsorted(channel.codes, codes, side="right") - 1, 0)
-    kept = ~channel.blocked[last] | np.isin(codes, channel.codes)
-    last = last[kept]
-    return replace(channel, codes=codes[kept], values=channel.values[last], blocked=channel.blocked[last])
 
 
 def _fill(

@@ -30,6 +30,7 @@ from usd_tools.metrics.strings import carriers, write_strings
 from usd_tools.skel.channels import CHANNELS, Channel, write_samples, write_values
 from usd_tools.skel.find import AnimationSource
 from usd_tools.skel.instancing import editable_paths
+from usd_tools.skel.packed import StoredStream, remove_packed, write_packed
 from usd_tools.skel.replaced import home_of, replaced_samples
 
 MADE_BY = "geomstats_anim"
@@ -87,6 +88,7 @@ class AnimationLayer:
         source_codes: np.ndarray | None = None,
         source_cuts: np.ndarray | None = None,
         keeps_samples: bool = True,
+        packed: StoredStream | None = None,
     ) -> None:
         """Write the samples of an animation, all of them: one sample here hides every sample below.
 
@@ -109,6 +111,9 @@ class AnimationLayer:
         keeps_samples : bool
             Whether the samples of `source` are among these; if not, what it stores of a source of its own is hidden.
             Optional, default: True.
+        packed : StoredStream
+            Motion of the sampled attributes, packed; packed motion of `source` goes where samples are written.
+            Optional, default: none.
         """
         for path in editable_paths(self, source, messages):
             spec = self.prim(path)
@@ -118,6 +123,10 @@ class AnimationLayer:
                 attribute.default = kind.to_usd(values.astype(kind.dtype))
             for name, channel in channels.items():
                 write_samples(_attribute(spec, name), channel, self.offset)
+            if packed is not None:
+                write_packed(spec, *packed)
+            elif channels:
+                remove_packed(spec, source.prim)
             if metric is not None:
                 axes = source.prim.GetAttribute(f"{NAMESPACE}:axes")
                 write_metric(spec, metric, hide_axes=bool(axes) and axes.HasAuthoredValue())

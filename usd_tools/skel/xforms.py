@@ -11,11 +11,11 @@ from pxr import Gf, Usd, UsdGeom, UsdLux, UsdSkel
 
 from geomstats_anim import SCHEMES, Animation, Skeleton
 from geomstats_anim.rotations import IDENTITY
-from usd_tools.skel.channels import Channel, read_samples
+from usd_tools.skel.channels import Channel, held, read_samples
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.cuts import find_cuts
 from usd_tools.skel.find import AnimationSource
-from usd_tools.skel.resampling import held, merged_codes
+from usd_tools.skel.resampling import merged_codes
 from usd_tools.skel.xform_motion import Codec, Parts, codec_of
 
 _ONE = Skeleton(("xform",), np.array([-1]), np.zeros((1, 3)), IDENTITY[None])

@@ -1,0 +1,125 @@
+"""A clip as frames that can be packed: all moving attributes at the same times; where it is cut; what viewers see."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from geomstats_anim import Animation, optimal_keyframes, uniform_keyframes
+from geomstats_anim.rotations import Array
+from usd_tools.console.errors import ToolError
+from usd_tools.skel.channels import JOINT_CHANNELS, Channel, held, step_pairs
+from usd_tools.skel.clip import SkelClip
+from usd_tools.skel.packed import WEIGHTS
+from usd_tools.skel.resampling import resample, without_cuts
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """A clip whose moving attributes have samples at all time codes, as USD shows them.
+
+    Parameters
+    ----------
+    clip : SkelClip
+        What does not move is a default.
+    codes : array-like, shape=[F]
+        Time codes of the frames: of all samples of the source.
+    moving : mapping of str to Channel
+        What is packed; samples within value blocks are left out.
+    """
+
+    clip: SkelClip
+    codes: np.ndarray
+    moving: Mapping[str, Channel]
+
+    @classmethod
+    def of(cls, clip: SkelClip) -> Frames:
+        """Sample a clip that is animated at the time codes of all of its samples."""
+        codes = np.unique(np.concatenate([channel.codes for channel in clip.channels.values()]))
+        names = [name for name, channel in clip.channels.items() if not channel.is_constant]
+        if not names:  # one attribute tells how long nothing moves
+            names = [next(name for name, channel in clip.channels.items() if channel.is_animated)]
+        shown = resample(without_cuts(clip), codes, "slerp").channels
+        moving = {name: shown.get(name) or held(clip.channels[name], codes) for name in names}
+        told = np.concatenate([channel.codes for channel in moving.values()])
+        codes = codes[(codes >= told.min()) & (codes <= told.max())]
+        still = {
+            name: channel.at(np.zeros(len(channel.codes), dtype=bool))
+            for name, channel in clip.channels.items()
+            if name not in moving
+        }
+        return cls(replace(clip, channels={**still, **moving}, given_cuts=clip.cuts), codes, moving)
+
+    @property
+    def animation(self) -> Animation:
+        """Motion of the joints at all frames, held within value blocks; seconds."""
+        return self.animation_of(self.moving)
+
+    def animation_of(self, moving: Mapping[str, Channel]) -> Animation:
+        """Return the motion if other samples were those of the moving attributes."""
+        full = {
+            name: replace(channel, codes=self.codes, values=self._filled(channel)) for name, channel in moving.items()
+        }
+        clip = replace(self.clip, channels={**self.clip.channels, **full})
+        return clip.keys(tuple(full), slice(None))
+
+    def weights_of(self, moving: Mapping[str, Channel]) -> Array | None:
+        """Return weights of blend shapes at all frames, shape=[F, N]; None if they do not move."""
+        return self._filled(moving[WEIGHTS])[..., 0].astype(np.float64) if WEIGHTS in moving else None
+
+    @property
+    def cuts(self) -> list[int]:
+        """Frames at which another piece begins: after cuts, steps, and the edges of value blocks."""
+        starts = [1 + np.flatnonzero(step_pairs(self.codes, self.clip.codes_per_second))]
+        starts.append(np.searchsorted(self.codes, self.clip.cuts[:, 1]))
+        starts += [1 + np.flatnonzero(np.diff(np.isin(self.codes, _live(each)))) for each in self.moving.values()]
+        return np.unique(np.concatenate(starts)).tolist()
+
+    def preview(self, n_keys: int) -> dict[str, Channel]:
+        """Return the moving attributes with few of their samples, for viewers.
+
+        Parameters
+        ----------
+        n_keys : int
+            0 for the pose in which each attribute begins, at the first and the last frame. Value blocks stay.
+
+        Raises
+        ------
+        ToolError
+            If more samples must stay.
+        """
+        keys = self.codes[self._keys(n_keys)] if n_keys else self.codes[[0, -1]]
+        found = {}
+        for name, channel in self.moving.items():
+            edge = channel.blocked.copy()
+            edge[:-1] |= channel.blocked[1:]
+            edge[1:] |= channel.blocked[:-1]
+            few = channel.at(edge | np.isin(channel.codes, keys))
+            if not n_keys:
+                few = replace(few, values=np.where(few.blocked[:, None, None], few.values, channel.default))
+            found[name] = few
+        return found
+
+    def _keys(self, n_keys: int) -> np.ndarray:
+        """Choose frames from which slerp, which viewers show, rebuilds the motion best."""
+        joints_move = any(name in JOINT_CHANNELS for name in self.moving)
+        if n_keys >= len(self.codes):
+            return np.arange(len(self.codes))
+        if not joints_move:
+            return uniform_keyframes(len(self.codes), n_keys / len(self.codes))
+        try:
+            return optimal_keyframes(self.animation, n_keys)
+        except ValueError as error:
+            raise ToolError(f"{self.clip.path} cannot have a preview of {n_keys} samples: {error}") from error
+
+    def _filled(self, channel: Channel) -> np.ndarray:
+        """Return values at all frames, shape=[F, N, C]: within value blocks those before, or the first."""
+        live = np.flatnonzero(~channel.blocked)
+        last = np.maximum(np.searchsorted(channel.codes[live], self.codes, side="right") - 1, 0)
+        return channel.values[live[last]]
+
+
+def _live(channel: Channel) -> np.ndarray:
+    return channel.codes[~channel.blocked]
