@@ -13,6 +13,7 @@ VERBS = {
     "demo": "see what this is about: a clip rebuilt from a tenth of its samples",
     "inspect": "show the skeletal animation of a file, and warn of what may go wrong",
     "from_bvh": "convert motion capture in BVH to UsdSkel",
+    "to_bvh": "convert UsdSkel to BVH",
     "upsample": "add samples, along geodesics of a metric",
     "resample": "exactly F samples per second, on whole frames",
     "downsample": "keep few samples, and the metric that rebuilds the others",

@@ -8,7 +8,7 @@ import pytest
 from composed import new_errors
 from house_rules import broken_rules
 
-from usd_tools import compare, demo, downsample, from_bvh, inspect, learn, live, pack, resample, unpack, upsample
+from usd_tools import compare, demo, downsample, from_bvh, inspect, learn, live, pack, resample, to_bvh, unpack, upsample
 
 USD = (".usd", ".usda", ".usdc", ".usdz")
 
@@ -22,7 +22,7 @@ def run(request, capsys):
     """
     is_validated = request.node.get_closest_marker("invalid_output") is None
 
-    modules = (demo, upsample, downsample, inspect, learn, compare, from_bvh, live, resample, pack, unpack)
+    modules = (demo, upsample, downsample, inspect, learn, compare, from_bvh, live, resample, pack, unpack, to_bvh)
     verbs = {module.__name__.rpartition(".")[2]: module for module in modules}
 
     def call(verb, *arguments):

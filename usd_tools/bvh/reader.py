@@ -40,6 +40,8 @@ class Bvh:
         Relative to the parent. Position channels take the place of the offset, as they do in Blender.
     rate : float
         Frames per second.
+    channels : tuple of tuple of str, shape=[B]
+        Names of the channels of each joint, in the order of the file.
     """
 
     names: tuple[str, ...]
@@ -49,6 +51,7 @@ class Bvh:
     rotations: np.ndarray
     translations: np.ndarray
     rate: float
+    channels: tuple[tuple[str, ...], ...]
 
 
 def read_bvh(path: Path, rate: float | None = None, warn: Callable[[str], None] = lambda sentence: None) -> Bvh:
@@ -89,6 +92,7 @@ def read_bvh(path: Path, rate: float | None = None, warn: Callable[[str], None] 
         _rotations(tree, table),
         _translations(tree, table),
         rate,
+        tuple(tree.channels),
     )
 
 
