@@ -122,7 +122,8 @@ def _motion(clip: SkelClip, options: ToBvhOptions, messages: Messages) -> BvhMot
     if animation.scales is not None and not np.allclose(animation.scales, 1.0, rtol=0.0, atol=1e-3):
         messages.warn(f"{clip.path} scales joints, which BVH cannot hold; the scales are left out.")
     skeleton, unit = animation.skeleton, _unit(clip, options)
-    turned = _rest_turns(animation)
+    turn, move = _placements(clip, animation.times * clip.codes_per_second, options)
+    turned = quat.multiply(turn[:1], _rest_turns(animation))
     parents, roots = skeleton.parents, skeleton.parents < 0
     above = np.where(roots[:, None], quat.IDENTITY, turned[parents])
     # A BVH rests where nothing is turned: so each joint's own frame is replaced by one that is as the world at rest.
@@ -130,7 +131,7 @@ def _motion(clip: SkelClip, options: ToBvhOptions, messages: Messages) -> BvhMot
     translations = quat.rotate(above, animation.translations) / unit
     offsets = quat.rotate(above, skeleton.rest_translations) / unit
     ends = quat.rotate(turned, skeleton.bone_ends) / unit
-    turn, move = _placements(clip, animation.times * clip.codes_per_second, options)
+    offsets[roots] = quat.rotate(turn[:1], offsets[roots])
     translations[:, roots] = quat.rotate(turn[:, None], translations[:, roots]) + move[:, None] / unit
     rotations[:, roots] = quat.multiply(turn[:, None], rotations[:, roots])
     return BvhMotion(_names(clip), parents, offsets, ends, rotations, translations, rate)
