@@ -8,7 +8,20 @@ import pytest
 from composed import new_errors
 from house_rules import broken_rules
 
-from usd_tools import compare, demo, downsample, from_bvh, inspect, learn, live, pack, resample, to_bvh, unpack, upsample
+from usd_tools import (
+    compare,
+    demo,
+    downsample,
+    from_bvh,
+    inspect,
+    learn,
+    live,
+    pack,
+    resample,
+    to_bvh,
+    unpack,
+    upsample,
+)
 
 USD = (".usd", ".usda", ".usdc", ".usdz")
 
