@@ -114,6 +114,8 @@ class LearnedMetric:
         missing : tuple of str
             The joints that are not known.
         """
+        if tuple(joints) == self.joints:
+            return self, ()
         place = {joint: i for i, joint in enumerate(self.joints)}
         missing = tuple(joint for joint in joints if joint not in place)
         known = np.array([joint in place for joint in joints], dtype=bool)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -53,7 +53,7 @@ class SaveResult:
         File that was written.
     content : str
     commands : tuple of str
-        Command lines that would have made it; KEYS.usdc and METRIC.json stand for files in between.
+        Command lines that would have made the same motion; KEYS.usdc is a file in between.
     warnings : tuple of str
     """
 
@@ -72,7 +72,7 @@ def save_edited(motion: EditableMotion, state: EditState, out: Path, options: Sa
     target = Output(motion.path, out, options)
     target.check()
     target.check_layers(stage)
-    metric, _ = state.metric.for_joints(clip.joints)
+    metric, _ = _with_origin(state.metric).for_joints(clip.joints)
     with usd_warnings(messages):
         everyone = find_animations(stage)
         if options.content == "keys":
@@ -97,21 +97,28 @@ def save_edited(motion: EditableMotion, state: EditState, out: Path, options: Sa
     return SaveResult(target.path, options.content, commands, tuple(messages.warnings))
 
 
+def _with_origin(metric: LearnedMetric) -> LearnedMetric:
+    """Say in the provenance of a metric that was set by hand how it differs from the bi-invariant one."""
+    styles = [str(style) for style in styles_of(metric)]
+    if metric.quality or not styles:
+        return metric
+    return replace(metric, provenance={**metric.provenance, "styles": styles})
+
+
 def _commands(
     motion: EditableMotion, state: EditState, metric: LearnedMetric, out: Path, content: str
 ) -> tuple[str, ...]:
-    """Say which command lines would have made a file, as far as there are some."""
+    """Say which command lines would have made a file: the keys first, then the metric and the samples."""
     prim = ["--prim", motion.clip.path] if len(find_animations(motion.clip.source.stage)) > 1 else []
-    keys = ",".join(repr(float(code)).removesuffix(".0") for code in motion.samples[state.is_key])
-    commands, source = [], str(motion.path)
+    commands, source, times = [], str(motion.path), _numbers(motion.samples[:1])
     if content != "metric" and not state.is_key.all():
-        sparse = str(out) if content == "keys" else "KEYS.usdc"
-        scheme = ["--scheme", metric.scheme]
-        commands.append(["downsample", source, "-o", sparse, f"--keep-only={keys}", *scheme, *prim])
-        source = sparse
+        keys = _numbers(motion.samples[state.is_key])
+        commands.append(["downsample", source, "-o", "KEYS.usdc", f"--keep-only={keys}", *prim])
+        source = "KEYS.usdc"
     if content == "dense":
-        times = ["--times", "source"] if len(commands) else ["--times", _numbers(motion.codes)]
-        commands.append(["upsample", source, "-o", str(out), *times, *_metric_words(metric), *prim])
+        times = "source" if commands else _numbers(motion.codes)
+    words = [f"--times={times}", "--no-xforms", *_metric_words(metric), *prim]
+    commands.append(["upsample", source, "-o", str(out), *words])
     return tuple(f"python -m usd_tools.{shlex.join(words)}" for words in commands)
 
 

@@ -72,9 +72,9 @@ class EditSession:
         What a user should know of the file.
     """
 
-    def __init__(self, motion: EditableMotion, warnings: tuple[str, ...] = ()) -> None:
+    def __init__(self, motion: EditableMotion, start: EditState, warnings: tuple[str, ...] = ()) -> None:
         self._motion, self.warnings = motion, warnings
-        self._states = [EditState.start(motion)]
+        self._states = [start]
         self._steps: list[Step] = []
         self._undone: list[tuple[Step, EditState]] = []
         self._dragged: tuple[Step, EditState] | None = None
@@ -114,7 +114,8 @@ class EditSession:
         path, messages = Path(path), Messages(warn)
         with usd_warnings(messages), reading(path):
             motion = EditableMotion.open(path, prim, messages)
-        return cls(motion, tuple(messages.warnings))
+            start = EditState.start(motion, messages)
+        return cls(motion, start, tuple(messages.warnings))
 
     @property
     def path(self) -> Path:

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geomstats_anim import LearnedMetric, MetricParameters, optimal_keyframes
-from geomstats_anim.names import DEFAULT_SCHEME
+from geomstats_anim.names import DEFAULT_SCHEME, SCHEME_NAMES
 from geomstats_anim.parameters import CurveParameters
-from usd_tools.console.errors import ToolError
+from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.text import did_you_mean, short_names
 from usd_tools.editing.edits import (
     ChooseKeys,
@@ -49,11 +49,26 @@ class EditState:
     is_key: np.ndarray
 
     @classmethod
-    def start(cls, motion: EditableMotion) -> EditState:
-        """Return the state before any edit: the metric that the file stores, and all its samples."""
-        joints = motion.skeleton.joints
-        stored = stored_metric(motion.clip.source)
-        metric = LearnedMetric.plain(joints, DEFAULT_SCHEME) if stored is None else stored.for_joints(joints)[0]
+    def start(cls, motion: EditableMotion, messages: Messages) -> EditState:
+        """Return the state before any edit: the metric that the file stores, and all its samples.
+
+        Told are joints of which that metric has no entry.
+
+        Raises
+        ------
+        ToolError
+            If it cannot be read, or its scheme does not exist.
+        """
+        joints, path = motion.skeleton.joints, motion.clip.path
+        metric, stored = LearnedMetric.plain(joints, DEFAULT_SCHEME), stored_metric(motion.clip.source)
+        if stored is not None:
+            _check_scheme(stored, f"{path}: the metric")
+            metric, _ = stored.for_joints(joints)
+            missing = [joint for joint in motion.clip.joints if joint not in stored.joints]
+            if missing:
+                names = short_names(joints)
+                lost = ", ".join(names[joint] for joint in missing)
+                messages.warn(f"{path}: the metric has no entry for {lost}; using the identity there.")
         return cls(metric, np.ones(len(motion.samples), dtype=bool))
 
     def keyframes(self, motion: EditableMotion) -> list[np.ndarray]:
@@ -79,6 +94,7 @@ def _metric(metric: LearnedMetric, edit: Edit) -> LearnedMetric:
     if isinstance(edit, UseMetric):
         if not set(edit.metric.joints) & set(joints):
             raise ToolError("The metric has an entry for no joint of this clip.")
+        _check_scheme(edit.metric, "The metric")
         return edit.metric.for_joints(joints)[0]
     if isinstance(edit, UseScheme):
         return metric.for_scheme(edit.scheme)
@@ -96,6 +112,14 @@ def _metric(metric: LearnedMetric, edit: Edit) -> LearnedMetric:
         raise ToolError(f"{style} cannot be applied: {error}") from error
     # the session remembers its edits, so the metric need not
     return replace(changed, provenance=metric.provenance)
+
+
+def _check_scheme(metric: LearnedMetric, what: str) -> None:
+    if metric.scheme not in SCHEME_NAMES:
+        raise ToolError(
+            f"{what} names the scheme {metric.scheme!r}, which does not exist; the schemes are "
+            f"{', '.join(SCHEME_NAMES)}."
+        )
 
 
 def _reset(pattern: str, scheme: str) -> Style:
@@ -143,10 +167,10 @@ def _keys(state: EditState, edit: Edit, motion: EditableMotion) -> np.ndarray:
         for part in motion.parts:
             is_key[part.samples][:: edit.n] = True
     elif isinstance(edit, KeepOnly):
-        is_key[[_sample(code, samples) for code in edit.codes]] = True
+        is_key[_samples(np.array(edit.codes), samples)] = True
     elif isinstance(edit, PinKey | FreeKey):
         is_key = state.is_key.copy()
-        is_key[_sample(edit.code, samples)] = isinstance(edit, PinKey)
+        is_key[_samples(np.array([edit.code]), samples)] = isinstance(edit, PinKey)
     elif isinstance(edit, ChooseKeys):
         if edit.count > len(samples):
             raise ToolError(f"{edit.count} keys cannot be chosen of {len(samples)} samples.")
@@ -173,9 +197,12 @@ def _shares(count: int, motion: EditableMotion) -> list[int]:
     return [int(np.clip(share, 2, size)) for share, size in zip(shares, sizes.tolist(), strict=True)]
 
 
-def _sample(code: float, samples: np.ndarray) -> int:
-    """Find the sample at a time code; one that is off by rounding is that one."""
-    nearest = int(np.abs(samples - code).argmin())
-    if abs(samples[nearest] - code) > 1e-6 * max(1.0, abs(code)):
-        raise ToolError(f"There is no sample at time code {code:g}; the nearest is at {samples[nearest]:g}.")
+def _samples(codes: np.ndarray, samples: np.ndarray) -> np.ndarray:
+    """Find the samples at time codes; what is off by rounding is there."""
+    after = np.clip(np.searchsorted(samples, codes), 1, len(samples) - 1)
+    nearest = np.where(codes - samples[after - 1] < samples[after] - codes, after - 1, after)
+    far = np.flatnonzero(np.abs(samples[nearest] - codes) > 1e-6 * np.maximum(1.0, np.abs(codes)))
+    if len(far):
+        code, near = codes[far[0]], samples[nearest[far[0]]]
+        raise ToolError(f"There is no sample at time code {code:g}; the nearest is at {near:g}.")
     return nearest

@@ -2,10 +2,11 @@
 
 import json
 import shlex
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from pxr import UsdGeom
+from pxr import Usd, UsdGeom
 from rigs import ANIMATION, bits, make_rig, random_rotations, read
 
 from geomstats_anim import LearnedMetric, interpolate
@@ -27,8 +28,9 @@ from usd_tools.editing.edits import (
     exactly,
     from_dict,
 )
+from usd_tools.editing.history import autosave_path, read_session, write_session
 from usd_tools.editing.presets import PRESETS, read_presets, write_preset
-from usd_tools.editing.saving import SaveOptions
+from usd_tools.editing.saving import CONTENTS, SaveOptions
 from usd_tools.editing.state import counterpart
 from usd_tools.upsampling.joint_styles import Style
 
@@ -248,7 +250,9 @@ def test_saved_metric_is_the_one_that_upsample_reads(session, tmp_path, run):
     session.apply(Style("*Arm", alpha=3.0), Style("hips", tension=0.25))
     result = session.save(tmp_path / "out.usda")
     assert result.path == tmp_path / "out.usda"
-    assert EditSession.open(tmp_path / "out.usda").metric.to_json() == session.metric.to_json()
+    written = EditSession.open(tmp_path / "out.usda").metric
+    assert written.provenance == {"styles": ["hips:tension=0.25", *(f"{joint}:alpha=3" for joint in JOINTS[1:])]}
+    assert replace(written, provenance={}).to_json() == session.metric.to_json()
     assert run("inspect", tmp_path / "out.usda")[0] == 0
     assert bits(read(tmp_path / "out.usda")[1]) == bits(read(session.path)[1])
 
@@ -266,17 +270,23 @@ def test_saved_keys_rebuild_what_was_shown(session, tmp_path, run):
     np.testing.assert_allclose(np.abs((np.array(values) * shown).sum(axis=-1)), 1.0, atol=1e-6)
 
 
-def test_the_commands_that_a_save_names_make_the_same_samples(session, tmp_path, run, monkeypatch):
+@pytest.mark.parametrize("content", CONTENTS)
+@pytest.mark.parametrize("keys", [1, 6])
+def test_the_commands_that_a_save_names_make_the_same(session, tmp_path, run, monkeypatch, content, keys):
     monkeypatch.chdir(tmp_path)
-    session.apply(EveryNth(6), Style("*Arm", alpha=1.0 / 3.0, axes=(5.0, 0.0, 0.0)), Style("hips", tension=0.1))
-    result = session.save("dense.usda", SaveOptions(content="dense"))
-    values = bits(read("dense.usda")[1])
-    assert len(result.commands) == 2
+    session.apply(EveryNth(keys), Style("*Arm", alpha=1.0 / 3.0, axes=(5.0, 0.0, 0.0)), Style("hips", tension=0.1))
+    result = session.save("out.usda", SaveOptions(content=content))
+    codes, values = read("out.usda")
+    assert len(result.commands) == (2 if keys > 1 and content != "metric" else 1)
     for command in result.commands:
         python, dash, module, *words = shlex.split(command)
         assert (python, dash) == ("python", "-m")
         assert run(module.removeprefix("usd_tools."), *words)[0] == 0
-    assert bits(read("dense.usda")[1]) == values
+    assert read("out.usda")[0] == codes and bits(read("out.usda")[1]) == bits(values)
+    one, other = EditSession.open("out.usda").metric, session.metric
+    for name in ("alpha", "beta", "axes", "invariance"):
+        np.testing.assert_array_equal(getattr(one.parameters, name), getattr(other.parameters, name))
+    np.testing.assert_array_equal(one.tension, other.tension)
 
 
 def test_a_metric_is_learned_for_the_keys_as_one_edit(session):
@@ -358,3 +368,33 @@ def test_the_world_is_that_of_the_stage(tmp_path):
     session = EditSession.open(tmp_path / "clip.usda", ANIMATION)
     moved = session.poses("original")[:, 0, :, 3] - session.motion("original").translations[:, 0]
     np.testing.assert_allclose(moved, np.tile([0.0, 0.0, 5.0], (5, 1)), atol=1e-12)
+
+
+@pytest.mark.parametrize("scheme", ["bezier", ""])
+def test_a_scheme_that_does_not_exist_is_refused(session, scheme):
+    with pytest.raises(ToolError, match="does not exist"):
+        session.apply(UseMetric(LearnedMetric.plain(JOINTS, scheme)))
+
+
+def test_a_stored_metric_of_other_joints_is_told(tmp_path, session):
+    session.apply(UseMetric(LearnedMetric.plain(JOINTS, "geodesic-spline", tension=0.5)))
+    session.save(tmp_path / "out.usda")
+    stage = Usd.Stage.Open(str(tmp_path / "out.usda"))
+    prim = stage.GetPrimAtPath(ANIMATION)
+    prim.GetAttribute("geodesicMetric:joints").Set([*JOINTS[:2], "tail"])
+    stage.Save()
+    again = EditSession.open(tmp_path / "out.usda")
+    assert any("RightArm" in sentence for sentence in again.warnings)
+    assert again.metric.tension.tolist() == [0.5, 0.5, 1.0]
+
+
+def test_edits_are_saved_beside_the_output(session, tmp_path):
+    session.apply(EveryNth(4), Style("hips", alpha=2.0))
+    path = autosave_path(tmp_path / "out.usda")
+    write_session(path, session.to_json())
+    assert path.parent == tmp_path and path.name == "out.usda.edits.json"
+    again = EditSession.open(session.path)
+    again.replay(read_session(path))
+    assert again.edits == session.edits
+    with pytest.raises(ToolError, match="none.json"):
+        read_session(tmp_path / "none.json")
