@@ -29,7 +29,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "geomstats_anim")]
 import oracles  # noqa: E402
 import samples  # noqa: E402
 
-from geomstats_anim import LogStatus, SO3InvariantMetric, interpolate  # noqa: E402
+from geomstats_anim import LogStatus, PoseMetric, PoseSpace, SO3InvariantMetric, interpolate  # noqa: E402
 from geomstats_anim import rotations as quat  # noqa: E402
 from geomstats_anim.geodesics.pose_geodesics import PoseGeodesics  # noqa: E402
 from geomstats_anim.geodesics.shortest import shortest_momenta  # noqa: E402
@@ -218,6 +218,24 @@ def against_stock(n_stock: int, repeats: int) -> Iterator[Line]:
             yield Line(f"{what}, {name}: stock Geomstats {theirs:.3g} s{note}", "", f"{theirs / mine:,.0f} times")
 
 
+def one_pose(repeats: int) -> Iterator[Line]:
+    """Call the public metric on one pose of 24 bones, array handling and all."""
+    rng = np.random.default_rng(8)
+    space = PoseSpace(24, equip=False)
+    space.equip_with_metric(PoseMetric, parameters=samples.parameters(rng, 24, 4.0))
+    base_point = space.random_point()
+    tangent_vec = space.metric.from_coordinates(0.2 * rng.normal(size=space.dim), base_point)
+    point = space.metric.exp(tangent_vec, base_point)
+    calls: dict[str, Callable[[], object]] = {
+        "log": lambda: space.metric.log(point, base_point),
+        "exp": lambda: space.metric.exp(tangent_vec, base_point),
+    }
+    with one_core():
+        for name, call in calls.items():
+            mine = seconds(lambda call=call: [call() for _ in range(1000)], repeats, time.process_time) / 1000
+            yield Line(f"metric.{name} of one pose of 24 bones", "0.2 ms", f"{mine * 1e3:.2g} ms", mine < 0.2e-3)
+
+
 def upsampling(repeats: int) -> Iterator[Line]:
     """From keys to samples, against scipy's objects, one per joint, and the spline against the geodesics it bends."""
     rng = np.random.default_rng(7)
@@ -273,6 +291,7 @@ def measure(quick: bool) -> Iterator[Line]:
     yield from log_speed(20_000 if quick else 100_000, 2 if quick else 3)
     yield playback_speed(3 if quick else 7)
     yield from against_stock(5 if quick else 60, 3)
+    yield from one_pose(3)
     yield from upsampling(3 if quick else 7)
     yield from start_up()
 

@@ -19,8 +19,26 @@ author = "The geomstats-anim authors"
 copyright = author
 version = release = geomstats_anim.__version__
 
-extensions = ["sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton", "formulas", "verbs"]
+extensions = [
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx_copybutton",
+    "sphinx_gallery.gen_gallery",
+    "formulas",
+    "verbs",
+]
 exclude_patterns = ["_build"]
+sphinx_gallery_conf = {
+    "examples_dirs": "../examples/notebooks",
+    "gallery_dirs": "notebooks",
+    "filename_pattern": "/plot_",
+    "ignore_pattern": r"drawing\.py",
+    "within_subsection_order": "FileNameSortKey",
+    "abort_on_example_error": True,
+    "download_all_examples": False,
+    "show_memory": False,
+    "remove_config_comments": True,
+}
 default_role = "py:obj"  # docstrings name things in single backquotes
 toc_object_entries_show_parents = "hide"
 html_math_renderer = "formulas"
@@ -35,7 +53,11 @@ html_theme_options = {
 copybutton_prompt_text = r">>> |\.\.\. "
 copybutton_prompt_is_regexp = True
 
-autodoc_default_options = {"members": True}
+_METADATA = "fit inverse_transform partial_fit predict predict_proba score transform".split()
+autodoc_default_options = {
+    "members": True,
+    "exclude-members": ", ".join(f"set_{name}_request" for name in _METADATA),  # scikit-learn's own, on estimators
+}
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # docstrings say types, and shapes
 autodoc_preserve_defaults = True

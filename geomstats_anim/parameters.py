@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -158,12 +159,12 @@ class MetricParameters:
         """Return the number of joints, B."""
         return len(self.alpha)
 
-    @property
+    @cached_property
     def moments(self) -> Array:
         """Return the principal moments (1, alpha, beta), shape=[B, 3]."""
         return np.stack([np.ones_like(self.alpha), self.alpha, self.beta], axis=-1)
 
-    @property
+    @cached_property
     def axes_quaternions(self) -> Array:
         """Return the rotations P as unit quaternions, shape=[B, 4]."""
         if self.axes is None:
@@ -198,7 +199,7 @@ class MetricParameters:
         rotation = quat.to_matrix(self.axes_quaternions)
         return np.moveaxis(rotation, -1, -2) @ (self.moments[:, :, None] * rotation)
 
-    @property
+    @cached_property
     def is_right(self) -> np.ndarray:
         """Return whether each joint's metric is right-invariant, shape=[B]."""
         return np.array([side == "right" for side in self.invariance], dtype=bool)

@@ -136,13 +136,7 @@ def slerp(start: Array, end: Array, parameter: ArrayLike) -> Array:
 
 def to_matrix(quaternion: Array) -> Array:
     """Turn unit quaternions, shape=[..., 4], into rotation matrices, shape=[..., 3, 3]."""
-    x, y, z, w = np.moveaxis(quaternion, -1, 0)
-    rows = [
-        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
-        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
-        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
-    ]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    return _each("to_matrix", 9, quaternion).reshape(*quaternion.shape[:-1], 3, 3)
 
 
 def from_matrix(matrix: Array) -> Array:

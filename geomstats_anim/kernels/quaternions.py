@@ -39,6 +39,18 @@ def rotate(quaternion, vector, out):
 
 
 @compiled
+def to_matrix(quaternion, out):
+    """Turn unit quaternions, shape=[n, 4], into rotation matrices, row by row, shape=[n, 9]."""
+    for i in range(len(out)):
+        x, y, z, w = quaternion[i]
+        out[i, 0], out[i, 4] = 1.0 - 2.0 * (y * y + z * z), 1.0 - 2.0 * (x * x + z * z)
+        out[i, 8] = 1.0 - 2.0 * (x * x + y * y)
+        out[i, 1], out[i, 3] = 2.0 * (x * y - z * w), 2.0 * (x * y + z * w)
+        out[i, 2], out[i, 6] = 2.0 * (x * z + y * w), 2.0 * (x * z - y * w)
+        out[i, 5], out[i, 7] = 2.0 * (y * z - x * w), 2.0 * (y * z + x * w)
+
+
+@compiled
 def exp(rotation_vector, out):
     """Turn rotation vectors, shape=[n, 3], into unit quaternions, shape=[n, 4]."""
     for i in range(len(out)):
