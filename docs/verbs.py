@@ -19,6 +19,7 @@ from usd_tools.__main__ import VERBS
 _FOLDER = Path(usd_tools.__file__).parent
 _WIDTH = 84
 _LONGEST = 42
+_UNDESCRIBED = (argparse._HelpAction, argparse._SubParsersAction)
 
 
 def _marked_up(text: str) -> str:
@@ -79,14 +80,22 @@ class Verbs(SphinxDirective):
 
     def _section(self, verb: str) -> Iterator[str]:
         parse: argparse.ArgumentParser = import_module(f"usd_tools.{verb}").parser(f"geomstats-anim {verb}")
+        yield from self._command(verb, parse, "-")
+        for action in parse._actions:
+            if isinstance(action, argparse._SubParsersAction):
+                for word, each in action.choices.items():
+                    yield from self._command(f"{verb} {word}", each, "~")
+
+    def _command(self, verb: str, parse: argparse.ArgumentParser, underline: str) -> Iterator[str]:
         _shorten(parse)
         parse.formatter_class = lambda prog: argparse.HelpFormatter(prog, width=_WIDTH)
-        yield from (f".. _{verb}:", "", verb, "-" * len(verb), "", f".. program:: {verb}", "")
+        label = verb.replace(" ", "-")
+        yield from (f".. _{label}:", "", verb, underline * len(verb), "", f".. program:: {verb}", "")
         yield from (_marked_up(parse.description or ""), "", ".. code-block:: text", "")
         yield from (f"   {line}" for line in parse.format_usage().removeprefix("usage: ").splitlines())
         yield ""
         for group in parse._action_groups:
-            actions: Iterable[Any] = [a for a in group._group_actions if not isinstance(a, argparse._HelpAction)]
+            actions: Iterable[Any] = [a for a in group._group_actions if not isinstance(a, _UNDESCRIBED)]
             if actions and group.title not in ("positional arguments", "options"):
                 yield from (f"**{group.title}.** {_marked_up(group.description or '')}", "")
             for action in actions:

@@ -21,6 +21,7 @@ VERBS = {
     "unpack": "the samples of packed animation",
     "learn": "learn the metric that rebuilds or predicts animation best",
     "live": "see a character play, and bend its in-betweens with the mouse",
+    "metric": "show, set, copy, export and import stored metrics",
     "compare": "compare interpolation schemes, and write a report",
 }
 """Each verb, the module of the same name, in a line."""

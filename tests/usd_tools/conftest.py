@@ -16,6 +16,7 @@ from usd_tools import (
     inspect,
     learn,
     live,
+    metric,
     pack,
     resample,
     to_bvh,
@@ -35,7 +36,21 @@ def run(request, capsys):
     """
     is_validated = request.node.get_closest_marker("invalid_output") is None
 
-    modules = (demo, upsample, downsample, inspect, learn, compare, from_bvh, live, resample, pack, unpack, to_bvh)
+    modules = (
+        demo,
+        upsample,
+        downsample,
+        inspect,
+        learn,
+        compare,
+        from_bvh,
+        live,
+        metric,
+        resample,
+        pack,
+        unpack,
+        to_bvh,
+    )
     verbs = {module.__name__.rpartition(".")[2]: module for module in modules}
 
     def call(verb, *arguments):

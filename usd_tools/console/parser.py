@@ -18,6 +18,8 @@ class ArgumentParser(argparse.ArgumentParser):
     ) -> tuple[Any, list[str]]:
         """Parse arguments; an unknown option is named before anything that it leaves missing."""
         words = sys.argv[1:] if args is None else list(args)
+        if self._subparsers is not None:  # whose parsers know their options
+            return super().parse_known_args(words, namespace)
         for word in words[: words.index("--")] if "--" in words else words:
             self._check_option(word)
         return super().parse_known_args(words, namespace)

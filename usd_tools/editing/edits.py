@@ -151,7 +151,10 @@ def _finite(code: object) -> float:
     return float(code)
 
 
-Edit = Style | UseScheme | UseMetric | Reset | Mirror | EveryNth | ChooseKeys | KeepOnly | PinKey | FreeKey
+KeyEdit = EveryNth | ChooseKeys | KeepOnly | PinKey | FreeKey
+"""Edits of keys; the others are of the metric."""
+
+Edit = Style | UseScheme | UseMetric | Reset | Mirror | KeyEdit
 """Whatever a session can be asked to change."""
 
 _KINDS: dict[str, Callable[..., Edit]] = {

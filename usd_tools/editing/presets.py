@@ -34,7 +34,7 @@ def read_presets(folder: Path) -> dict[str, tuple[Edit, ...]]:
     ToolError
         If a file is no preset.
     """
-    return {path.stem: _read(path) for path in sorted(folder.glob("*.json"))}
+    return {path.stem: read_preset(path) for path in sorted(folder.glob("*.json"))}
 
 
 def write_preset(path: Path, edits: Sequence[Edit]) -> None:
@@ -50,7 +50,14 @@ def write_preset(path: Path, edits: Sequence[Edit]) -> None:
         beside.write_text(dump_json(document, indent=2) + "\n", encoding="utf-8")
 
 
-def _read(path: Path) -> tuple[Edit, ...]:
+def read_preset(path: Path) -> tuple[Edit, ...]:
+    """Read what `write_preset` has written.
+
+    Raises
+    ------
+    ToolError
+        If it is no preset.
+    """
     try:
         document = parse_json(read_text(path))
     except (OSError, ValueError) as error:

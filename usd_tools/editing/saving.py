@@ -89,9 +89,7 @@ def save_edited(motion: EditableMotion, state: EditState, out: Path, options: Sa
             constant = {name: channel.default for name, channel in dense.items() if not len(channel.codes)}
             layer.write_animation(clip.source, sampled, {**clip.missing, **constant}, metric, messages)
         else:
-            moved = clip.channels if clip.source.prim.IsInstanceProxy() else {}
-            sampled = {name: channel for name, channel in moved.items() if len(channel.codes)}
-            layer.write_animation(clip.source, sampled, {}, metric, messages)
+            layer.store_metric(clip, metric, messages)
         target.save(layer)
     commands = _commands(motion, state, metric, target.path, options.content)
     return SaveResult(target.path, options.content, commands, tuple(messages.warnings))

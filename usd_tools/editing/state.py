@@ -19,6 +19,7 @@ from usd_tools.editing.edits import (
     EveryNth,
     FreeKey,
     KeepOnly,
+    KeyEdit,
     Mirror,
     PinKey,
     Reset,
@@ -84,12 +85,19 @@ def edited(state: EditState, edit: Edit, motion: EditableMotion) -> EditState:
     ToolError
         If it does not fit the clip.
     """
-    if isinstance(edit, EveryNth | ChooseKeys | KeepOnly | PinKey | FreeKey):
+    if isinstance(edit, KeyEdit):
         return replace(state, is_key=_with_ends(_keys(state, edit, motion), motion))
-    return replace(state, metric=_metric(state.metric, edit))
+    return replace(state, metric=edited_metric(state.metric, edit))
 
 
-def _metric(metric: LearnedMetric, edit: Edit) -> LearnedMetric:
+def edited_metric(metric: LearnedMetric, edit: Edit) -> LearnedMetric:
+    """Apply an edit that is not of keys to a metric.
+
+    Raises
+    ------
+    ToolError
+        If it does not fit the metric's joints.
+    """
     joints = metric.joints
     if isinstance(edit, UseMetric):
         if not set(edit.metric.joints) & set(joints):

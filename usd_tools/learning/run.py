@@ -140,10 +140,7 @@ def _write(
 ) -> None:
     for clip, each in zip(clips, assessed, strict=True):
         metric, _ = each.metric.for_joints(clip.joints)
-        # An animation within an instance may have to move out of it, and must take its samples along.
-        moved = clip.channels if clip.source.prim.IsInstanceProxy() else {}
-        sampled = {name: channel for name, channel in moved.items() if len(channel.codes)}
-        layer.write_animation(clip.source, sampled, {}, metric, messages)
+        layer.store_metric(clip, metric, messages)
 
 
 def _result(

@@ -28,6 +28,7 @@ from usd_tools.metrics.attributes import (
 )
 from usd_tools.metrics.strings import carriers, write_strings
 from usd_tools.skel.channels import CHANNELS, Channel, write_samples, write_values
+from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.find import AnimationSource
 from usd_tools.skel.instancing import editable_paths
 from usd_tools.skel.packed import StoredStream, remove_packed, write_packed
@@ -139,6 +140,13 @@ class AnimationLayer:
                 for prim in carriers(skeleton)[:2]:
                     if not prim.IsInstanceProxy() and self.can_hold(prim.GetPath()):
                         write_strings(self.prim(prim.GetPath()), metric)
+
+    def store_metric(self, clip: SkelClip, metric: LearnedMetric, messages: Messages) -> None:
+        """Write the metric of an animation, and leave its samples where they are."""
+        # An animation within an instance may have to move out of it, and must take its samples along.
+        moved = clip.channels if clip.source.prim.IsInstanceProxy() else {}
+        sampled = {name: channel for name, channel in moved.items() if len(channel.codes)}
+        self.write_animation(clip.source, sampled, {}, metric, messages)
 
     def write_values(self, attribute: Usd.Attribute, channel: Channel, values: Sequence[Any]) -> None:
         """Write the samples of any other attribute of the stage, all of them."""

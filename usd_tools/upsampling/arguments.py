@@ -35,8 +35,8 @@ def add_metric(parse: argparse.ArgumentParser) -> None:
     parse.add_argument(
         "--metric",
         metavar="M",
-        help="stored, identity, a JSON file, or learn: fit on every other sample; kept only where cross-validation "
-        "shows it beats slerp; default: stored if the file stores one, else identity",
+        help="stored, identity, a JSON file, a USD file that stores one, or learn: fit on every other sample; kept "
+        "only where cross-validation shows it beats slerp; default: stored if the file stores one, else identity",
     )
     parse.add_argument("--alpha", metavar="A", type=positive_number, help="second principal moment, for all joints")
     parse.add_argument("--beta", metavar="B", type=positive_number, help="third principal moment, for all joints")

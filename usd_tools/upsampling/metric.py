@@ -12,10 +12,13 @@ from geomstats_anim.strict_json import read_text
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.progress import ProgressCallback
 from usd_tools.console.text import did_you_mean, short_names
+from usd_tools.files.paths import EXTENSIONS, extension
+from usd_tools.files.stages import open_stage
 from usd_tools.skel.clip import SkelClip
+from usd_tools.skel.find import find_animations
 from usd_tools.skel.stored_metric import stored_metric
-from usd_tools.upsampling.joint_styles import styled, unmatched
-from usd_tools.upsampling.options import CurveOptions
+from usd_tools.upsampling.joint_styles import Style, styled, unmatched
+from usd_tools.upsampling.options import StyleOptions
 
 LEARNING_RATE = 0.5
 """Share of samples that are keys when a clip teaches itself: twice the spacing, and the only one near it with truth."""
@@ -51,7 +54,7 @@ class ChosenMetric:
 def choose_metrics(
     path: Path,
     clips: Sequence[SkelClip],
-    options: CurveOptions,
+    options: StyleOptions,
     messages: Messages,
     progress: ProgressCallback | None = None,
 ) -> list[ChosenMetric]:
@@ -62,7 +65,7 @@ def choose_metrics(
     path : Path
         File that the animations are in.
     clips : sequence of SkelClip
-    options : CurveOptions
+    options : StyleOptions
         Its metric, scheme and styles.
     messages : Messages
         Told of joints that are missing.
@@ -80,10 +83,7 @@ def choose_metrics(
         If a metric is not there or malformed, its scheme is not known, or a style or the file matches no joint.
     """
     every_joint = [joint for clip in clips for joint in clip.joints]
-    lost = unmatched(options.styles, every_joint)
-    if lost is not None:
-        near = did_you_mean(lost.pattern, [*short_names(every_joint).values(), *every_joint])
-        raise ToolError(f"--joint {lost.pattern} matches no joint{near or f'; the file has {_a_few(every_joint)}.'}")
+    check_styles(options.styles, clips)
     from_file = _read_file(options.metric) if isinstance(options.metric, Path) else None
     if from_file is not None and not set(from_file.joints) & set(every_joint):
         raise ToolError(
@@ -92,11 +92,44 @@ def choose_metrics(
     return [_choose(path, clip, from_file, options, messages, progress) for clip in clips]
 
 
+def check_styles(styles: Sequence[Style], clips: Sequence[SkelClip]) -> None:
+    """Refuse a style that matches no joint of any clip.
+
+    Raises
+    ------
+    ToolError
+    """
+    every_joint = [joint for clip in clips for joint in clip.joints]
+    lost = unmatched(styles, every_joint)
+    if lost is not None:
+        near = did_you_mean(lost.pattern, [*short_names(every_joint).values(), *every_joint])
+        raise ToolError(f"--joint {lost.pattern} matches no joint{near or f'; the file has {_a_few(every_joint)}.'}")
+
+
+def apply_styles(clip: SkelClip, metric: LearnedMetric, options: StyleOptions) -> LearnedMetric:
+    """Give a metric for a clip's joints the scheme and the styles that are asked for.
+
+    Raises
+    ------
+    ToolError
+        If the scheme does not exist, or a style makes no metric.
+    """
+    if options.scheme is None and metric.scheme not in SCHEME_NAMES:
+        raise ToolError(
+            f"{clip.path}: the metric names the scheme {metric.scheme!r}, which does not exist; choose --scheme "
+            f"{', '.join(SCHEME_NAMES)}."
+        )
+    try:
+        return styled(metric.for_scheme(options.scheme or metric.scheme), options.styles)
+    except ValueError as error:
+        raise ToolError(f"{clip.path}: invalid --alpha, --beta or --joint: {error}") from error
+
+
 def _choose(
     path: Path,
     clip: SkelClip,
     from_file: LearnedMetric | None,
-    options: CurveOptions,
+    options: StyleOptions,
     messages: Messages,
     progress: ProgressCallback | None,
 ) -> ChosenMetric:
@@ -119,16 +152,7 @@ def _choose(
             names = short_names(clip.joints)
             lost = f"joint{'' if len(missing) == 1 else 's'} {', '.join(names[joint] for joint in missing)}"
             messages.warn(f"{clip.path}: the metric has no entry for {lost}; using the identity there.")
-    if options.scheme is None and metric.scheme not in SCHEME_NAMES:
-        raise ToolError(
-            f"{clip.path}: the metric names the scheme {metric.scheme!r}, which does not exist; choose --scheme "
-            f"{', '.join(SCHEME_NAMES)}."
-        )
-    try:
-        metric = styled(metric.for_scheme(options.scheme or metric.scheme), options.styles)
-    except ValueError as error:
-        raise ToolError(f"{clip.path}: invalid --alpha, --beta or --joint: {error}") from error
-    return ChosenMetric(metric, origin, missing, learned)
+    return ChosenMetric(apply_styles(clip, metric, options), origin, missing, learned)
 
 
 def learn_from_clip(
@@ -187,16 +211,29 @@ def learn_from_clip(
 
 
 def _read_file(path: Path) -> LearnedMetric:
+    if extension(path) in EXTENSIONS:
+        return _read_usd(path)
     try:
         return LearnedMetric.from_json(read_text(path))
     except FileNotFoundError as error:
         raise ToolError(
-            f"--metric {path}: there is no such file; use stored, identity, learn or a JSON file."
+            f"--metric {path}: there is no such file; use stored, identity, learn, a JSON file or a USD file."
         ) from error
     except OSError as error:
         raise ToolError(f"--metric {path} cannot be read: {error.strerror}.") from error
     except ValueError as error:
         raise ToolError(f"--metric {path}: {error}") from error
+
+
+def _read_usd(path: Path) -> LearnedMetric:
+    """Read the metric that a USD file stores, the only one or the same for all of its animations."""
+    found = [metric for source in find_animations(open_stage(path)) if (metric := stored_metric(source)) is not None]
+    texts = {metric.to_json() for metric in found}
+    if not texts:
+        raise ToolError(f"{path} stores no metric; usd_tools.learn and usd_tools.metric set store one.")
+    if len(texts) > 1:
+        raise ToolError(f"{path} stores {len(texts)} metrics; write one to a JSON file with usd_tools.metric export.")
+    return found[0]
 
 
 def _a_few(joints: Sequence[str], count: int = 5) -> str:

@@ -25,8 +25,8 @@ def _style(value: str | Style) -> Style:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CurveOptions(OutputOptions):
-    """Options of the verbs that lead curves through the samples of a file: which curves, and which samples they link.
+class StyleOptions(OutputOptions):
+    """Options that say how in-betweens look: the scheme, and the metric of each joint.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class CurveOptions(OutputOptions):
         Interpolation scheme.
         Optional, default: the one that the metric was made for, else "geodesic-spline".
     metric : str or Path
-        "stored", "identity", "learn", or a JSON file.
+        "stored", "identity", "learn", a JSON file, or a USD file that stores one.
         Optional, default: the stored one where there is one, else the identity.
     alpha, beta : float
         Second and third principal moment, for all joints; the first is 1.
@@ -45,6 +45,32 @@ class CurveOptions(OutputOptions):
         turns and for the translations of all joints.
     joint : tuple of str or Style
         Settings of the joints whose name matches, such as "arm*:alpha=4,invariance=right,tension=0"; the last wins.
+    """
+
+    scheme: str | None = option(None, one_of(SCHEME_NAMES))
+    metric: str | Path | None = option(None, _metric)
+    alpha: float | None = option(None, positive_number)
+    beta: float | None = option(None, positive_number)
+    invariance: str | None = option(None, one_of(INVARIANCES))
+    tension: float | None = option(None, tension_number)
+    translation_tension: float | None = option(None, tension_number)
+    joint: tuple[Style, ...] = option((), several(_style))
+
+    @property
+    def styles(self) -> tuple[Style, ...]:
+        """Settings by hand: those of all joints, then those of patterns."""
+        everywhere = Style("*", self.alpha, self.beta, self.invariance, self.tension, self.translation_tension)
+        return (*(() if everywhere == Style("*") else (everywhere,)), *self.joint)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CurveOptions(StyleOptions):
+    """Options of the verbs that lead curves through the samples of a file: which samples they link.
+
+    Those of `StyleOptions` are not repeated here.
+
+    Parameters
+    ----------
     cut : str, TimeCodes or sequence of float
         Time codes at which the pose is held until the next sample, instead of where it is found to jump.
     no_cuts : bool
@@ -57,14 +83,6 @@ class CurveOptions(OutputOptions):
         Warn of every step of more than 120 degrees, not only of the widest.
     """
 
-    scheme: str | None = option(None, one_of(SCHEME_NAMES))
-    metric: str | Path | None = option(None, _metric)
-    alpha: float | None = option(None, positive_number)
-    beta: float | None = option(None, positive_number)
-    invariance: str | None = option(None, one_of(INVARIANCES))
-    tension: float | None = option(None, tension_number)
-    translation_tension: float | None = option(None, tension_number)
-    joint: tuple[Style, ...] = option((), several(_style))
     cut: TimeCodes | None = option(None, as_time_codes)
     no_cuts: bool = option(False, bool)
     no_xforms: bool = option(False, bool)
@@ -82,12 +100,6 @@ class CurveOptions(OutputOptions):
     def looks_for_cuts(self) -> bool:
         """True if cuts are where the pose is found to jump."""
         return self.cut is None and not self.no_cuts
-
-    @property
-    def styles(self) -> tuple[Style, ...]:
-        """Settings by hand: those of all joints, then those of patterns."""
-        everywhere = Style("*", self.alpha, self.beta, self.invariance, self.tension, self.translation_tension)
-        return (*(() if everywhere == Style("*") else (everywhere,)), *self.joint)
 
 
 @dataclass(frozen=True, kw_only=True)
