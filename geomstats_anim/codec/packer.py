@@ -154,7 +154,8 @@ class Packer:
         now = to_values(lattice)
         plain, targets = now[:, now.shape[1] - n_plain :], values[:, values.shape[1] - n_plain :]
         n_scales = self.layout.n_scales
-        translations = np.tile(skeleton.rest_translations, (shape[0], 1, 1))
+        # a copy in any case, which tile does not make of nothing
+        translations = np.array(np.broadcast_to(skeleton.rest_translations, (*shape, 3)))
         if self.header.has_translations:
             translations += now[:, n_joints : 2 * n_joints]
         return Pose(

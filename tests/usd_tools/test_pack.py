@@ -166,6 +166,39 @@ def test_scales_and_weights_are_packed_within_their_tolerances(tmp_path, run):
     assert np.abs(np.array(read(tmp_path / "back.usda", "scales")[1], dtype=float) - scales).max() < 2e-3
 
 
+def test_faces_without_joints_are_packed(tmp_path, run, inspected):
+    stage = make_rig(tmp_path / "in.usda", codes=[0], anim_joints=[], translations=None, scales=None)
+    prim = stage.GetPrimAtPath(ANIMATION)
+    prim.RemoveProperty("rotations")
+    prim.CreateAttribute("blendShapes", Sdf.ValueTypeNames.TokenArray).Set(["smile"])
+    attribute = prim.CreateAttribute("blendShapeWeights", Sdf.ValueTypeNames.FloatArray)
+    weights = np.sin(np.arange(N) / 4.0)
+    for code in range(N):
+        attribute.Set(Vt.FloatArray([float(weights[code])]), float(code))
+    stage.GetRootLayer().Save()
+    code, text, err = run("pack", tmp_path / "in.usda", "-o", tmp_path / "packed.usdc", "--tolerance", 1)
+    assert (code, err) == (0, "") and "Largest error of blendShapeWeights" in text
+    (told,) = inspected(tmp_path / "packed.usdc")["animations"]
+    assert told["samples"] == N and f": {told['packed_bytes']} bytes" in text
+    run("unpack", tmp_path / "packed.usdc", "-o", tmp_path / "back.usda")
+    off = np.abs(np.array(read(tmp_path / "back.usda", "blendShapeWeights")[1])[:, 0, 0] - weights).max()
+    assert 1e-4 < off <= 0.01
+
+
+def test_transforms_above_the_skeleton_stay_and_are_named(source, tmp_path, run):
+    stage = Usd.Stage.Open(str(source))
+    op = UsdGeom.Xformable(stage.GetPrimAtPath(SKELETON)).AddTranslateOp()
+    for code in range(N):
+        op.Set(Gf.Vec3d(code, 0.0, 0.0), code)
+    stage.GetRootLayer().Save()
+    _, _, err = run("pack", source, "-o", tmp_path / "packed.usda", "--tolerance", 1)
+    path = f"{SKELETON}.xformOp:translate"
+    assert err == f"warning: {path} keeps its {N} samples: transforms above a skeleton are not packed.\n"
+    stage = Usd.Stage.Open(str(tmp_path / "packed.usda"))
+    kept = stage.GetAttributeAtPath(path)
+    assert kept.GetTimeSamples() == list(range(N)) and kept.Get(7) == Gf.Vec3d(7.0, 0.0, 0.0)
+
+
 def test_world_centimetres_count_what_is_above_the_skeleton(source, tmp_path, run):
     sizes = {}
     for factor in (1.0, 10.0):

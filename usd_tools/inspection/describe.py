@@ -24,6 +24,7 @@ from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip, read_clip
 from usd_tools.skel.find import AnimationSource, find_animations
 from usd_tools.skel.joint_names import names_note, read_names
+from usd_tools.skel.packed import packed_bytes
 from usd_tools.skel.rotation_checks import (
     count_not_unit,
     count_sign_flips,
@@ -162,6 +163,7 @@ def _describe_animation(source: AnimationSource, messages: Messages) -> dict[str
         "channels": {name: _describe_channel(channel) for name, channel in clip.channels.items()},
         **_describe_times(clip),
         "samples_of_source": _count_source_samples(source, messages),
+        "packed_bytes": packed_bytes(source.prim),
         "stepped_pairs": int(clip.steps.sum()),
         "largest_step": None if largest is None else asdict(largest),
         "largest_step_joint": None if largest is None else names[largest.joint],

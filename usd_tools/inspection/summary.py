@@ -98,6 +98,10 @@ def _animation_rows(animation: dict[str, Any]) -> list[tuple[str, str]]:
     n_source = animation["samples_of_source"] or 0
     if any(1 < channel["samples"] < n_source for channel in animation["channels"].values()):
         rows.append(("source had", f"{n_source} samples; usd_tools.upsample --times source restores them"))
+    if animation["packed_bytes"] is not None:
+        rows.append(
+            ("packed", f"{animation['packed_bytes']} bytes; usd_tools.unpack restores samples for other programs")
+        )
     if animation["stepped_pairs"]:
         rows.append(("stepped pairs", str(animation["stepped_pairs"])))
     step = animation["largest_step"]

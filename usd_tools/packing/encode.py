@@ -21,6 +21,7 @@ from usd_tools.skel.clip import SkelClip, read_clip
 from usd_tools.skel.find import find_animations
 from usd_tools.skel.packed import WEIGHTS, PackedMotion, unpacked_channels
 from usd_tools.skel.skin import skin_markers
+from usd_tools.skel.xforms import find_xform_ops
 
 _ROUNDING = 1e-2
 """Share of a tolerance that is left to the rounding of what is read, at most."""
@@ -95,6 +96,11 @@ def pack_clip(
     if clip.joints and not clip.source.rig:
         raise ToolError(
             f"{clip.path} has no skeleton, so --tolerance cannot be measured; bind it to its skeleton, and pack then."
+        )
+    for op in find_xform_ops(clip.source).ops:
+        messages.warn(
+            f"{op.attribute.GetPath()} keeps its {len(op.channel.codes)} samples: transforms above a skeleton are not "
+            "packed."
         )
     frames = Frames.of(clip)
     preview = frames.preview(options.preview)

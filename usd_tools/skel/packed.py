@@ -88,6 +88,11 @@ def _has_samples(spec: Sdf.PrimSpec) -> bool:
     )
 
 
+def packed_bytes(prim: Usd.Prim) -> int | None:
+    """Return the size of the packed motion of a SkelAnimation; None if it has none."""
+    return len(_read_stream(prim)) if is_packed(prim) else None
+
+
 def read_packed(prim: Usd.Prim, channels: Mapping[str, Channel]) -> PackedMotion | None:
     """Read the packed motion of a SkelAnimation; None if it has none.
 

@@ -1,0 +1,59 @@
+"""Every real animated file is packed within its tolerance, and unpacked at the samples that it had."""
+
+import json
+
+import numpy as np
+import pytest
+from file_table import TABLE
+from pxr import Usd
+from real_files import SHARED, real_file
+
+from geomstats_anim.markers import Markers, world_errors
+from usd_tools.skel.clip import read_clip
+from usd_tools.skel.find import find_animations
+from usd_tools.skel.resampling import animation_of
+
+STRANGERS = sorted(path.name for path in (SHARED / "strangers").glob("*.usd*")) if SHARED.is_dir() else []
+FILES = [name for name, row in TABLE.items() if row.downsample is None] + [f"strangers/{name}" for name in STRANGERS]
+TOLERANCE = 1.0
+
+
+def clips(path):
+    """Return the clips of a file that can be read, by path."""
+    found = {}
+    for source in find_animations(Usd.Stage.Open(str(path))):
+        try:
+            found[source.path] = read_clip(source)
+        except Exception:  # what is broken is left as it is
+            continue
+    return {path: clip for path, clip in found.items() if clip.is_animated}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FILES)
+def test_round_trip(tmp_path, name, run):
+    source, packed, back = real_file(name), tmp_path / "packed.usdc", tmp_path / "back.usdc"
+    report = tmp_path / "report.json"
+    words = ["--tolerance", TOLERANCE, "--effort", "fast", "--report", report]
+    code, _, err = run("pack", source, "-o", packed, *words)
+    if code == 1:
+        assert "no skeleton" in err or "no skeletal animation" in err
+        return
+    told = {each["prim"]: each for each in json.loads(report.read_text())["animations"]}
+    assert told
+    assert run("unpack", packed, "-o", back)[0] == 0
+    before, after, read = clips(source), clips(back), clips(packed)
+    for path, each in told.items():
+        largest = each["errors"]["centimetres"]["largest"]
+        assert largest <= TOLERANCE
+        # no sample time is lost
+        moving = [before[path].channels[channel] for channel in each["packed"]]
+        assert set(np.concatenate([channel.codes for channel in moving])) <= set(after[path].codes)
+        assert np.array_equal(after[path].codes, read[path].codes)
+        for channel, ours in after[path].channels.items():
+            assert np.array_equal(ours.values, read[path].channels[channel].values)
+        truth, ours = animation_of(before[path]), animation_of(after[path])
+        at = np.isin(ours.times, truth.times)
+        markers = Markers.of_shell(truth)
+        if len(truth.times) == at.sum() and truth.n_joints:
+            assert 100.0 * world_errors(ours.at_frames(at), truth, markers).max() <= TOLERANCE
