@@ -48,10 +48,9 @@ def choose_turns(rest: Array, rotations: Array) -> np.ndarray:
     turns = np.zeros(len(rest), dtype=np.intp)
     far = np.flatnonzero(quat.distance(rotations, rest).max(axis=0) > _FAR)
     if len(far):
-        candidates = quat.multiply(rest[far, None], cube_rotations())
-        # the largest eigenvector of the second moment is the mean rotation; a reference is near all of them
-        moments = np.einsum("fbi,fbj->bij", rotations[:, far], rotations[:, far])
-        turns[far] = np.einsum("bci,bij,bcj->bc", candidates, moments, candidates).argmax(axis=1)
+        candidates = quat.multiply(rest[far, None], cube_rotations()).reshape(-1, 4)
+        vectors = to_vectors(candidates, np.repeat(rotations[:, far], len(cube_rotations()), axis=1))
+        turns[far] = np.linalg.norm(vectors, axis=-1).max(axis=0).reshape(len(far), -1).argmin(axis=1)
     return turns
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from geomstats_anim.kernels import context_coder as kernel
+from geomstats_anim.kernels import binary_coder as kernel
+from geomstats_anim.kernels.context_coder import code
 from geomstats_anim.kernels.contexts import Lattice
 
-_SECTIONS = 8
+_SECTIONS = 9
 _BYTES_PER_INTEGER = 12
 """More than the coder ever needs, escapes included."""
 
@@ -15,13 +16,13 @@ _BYTES_PER_INTEGER = 12
 def encode(lattice: Lattice) -> bytes:
     """Return the integers of a lattice as bytes."""
     model = _new_model(lattice, np.zeros(_BYTES_PER_INTEGER * lattice.integers.size + 64, dtype=np.uint8), False)
-    kernel.code(model, lattice)
+    code(model, lattice)
     return model.stream[: kernel.finish(model.coder, model.stream)].tobytes()
 
 
 def decode(payload: bytes, lattice: Lattice) -> None:
     """Write the integers of `payload` into a lattice whose integers are all zero."""
-    kernel.code(_new_model(lattice, np.frombuffer(payload, dtype=np.uint8).copy(), True), lattice)
+    code(_new_model(lattice, np.frombuffer(payload, dtype=np.uint8).copy(), True), lattice)
 
 
 def _new_model(lattice: Lattice, stream: np.ndarray, decoding: bool) -> kernel.Model:
@@ -31,10 +32,8 @@ def _new_model(lattice: Lattice, stream: np.ndarray, decoding: bool) -> kernel.M
         coder=np.array([0, 0xFFFFFFFF, 0, 0], dtype=np.int64),
         stream=stream,
         decoding=decoding,
-        odds=np.full(shape, 32768, dtype=np.int32),
-        seen=np.zeros(shape, dtype=np.uint8),
-        weights=np.full((kernel.KINDS, kernel.INPUTS), 0.35 * 65536, dtype=np.int64),
-        slots=np.zeros(kernel.INPUTS, dtype=np.int64),
+        odds=np.zeros(shape, dtype=np.int32),
+        weights=np.full((kernel.KINDS, kernel.INPUTS), kernel.FIRST_WEIGHT, dtype=np.int64),
         inputs=np.zeros(kernel.INPUTS, dtype=np.int64),
         section=section,
     )

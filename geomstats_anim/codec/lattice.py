@@ -80,6 +80,7 @@ class Layout(NamedTuple):
         )
 
 
+@lru_cache(maxsize=8)
 def levers(skeleton: Skeleton) -> Array:
     """Return how far a radian at each joint moves what hangs below it, in the rest pose.
 

@@ -16,6 +16,10 @@ _BANDS = 8
 """Bands from here on share statistics."""
 
 
+_CLOSE = 0.97
+"""Of the tolerance: joints with errors beyond this weigh more from then on."""
+
+
 class Effort(NamedTuple):
     """How long to search.
 
@@ -23,15 +27,20 @@ class Effort(NamedTuple):
     ----------
     passes : tuple of float
         Bits that an error of the tolerance at one marker is worth, pass by pass.
+    free : int
+        Passes after which joints with errors about the tolerance weigh more, by `growth` each time.
+    growth : float
     repairs : int
-        Passes at most in which markers beyond the tolerance weigh more and more.
+        Passes at most in which they weigh twice as much each time, until none is beyond the tolerance.
     """
 
     passes: tuple[float, ...]
+    free: int
+    growth: float
     repairs: int
 
 
-EFFORTS = {"full": Effort((2.0, 2.0, 1.0, 1.0, 0.5, 0.5, 0.5, 0.5), 30), "fast": Effort((4.0, 2.0), 12)}
+EFFORTS = {"full": Effort((1.0, 0.5, *30 * (0.2,)), 4, 1.3, 30), "fast": Effort((4.0, 2.0), 1, 2.0, 12)}
 
 
 def joints_below(parents: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -70,19 +79,18 @@ def search(pose: Pose, lattice: Lattice, groups: np.ndarray, tolerance: float, e
     done : bool
         Whether every marker is within the tolerance, up to rounding.
     """
-    upwards, weight = False, effort.passes[-1] if effort.passes else 1.0
-    for weight in effort.passes:
+    upwards = False
+    for attempt in range(len(effort.passes) + effort.repairs + 1):
+        if attempt > effort.free:
+            distances = largest_errors(pose)
+            is_repair = attempt >= len(effort.passes)
+            if is_repair and distances.max(initial=0.0) <= tolerance:
+                return True
+            pose.weights[distances > _CLOSE * tolerance] *= 2.0 if is_repair else effort.growth
+        weight = effort.passes[min(attempt, len(effort.passes) - 1)]
         kernel.sweep(pose, lattice, groups, upwards, tolerance, weight, _costs(lattice))
         upwards = not upwards
-    for attempt in range(effort.repairs + 1):
-        distances = largest_errors(pose)
-        if distances.max(initial=0.0) <= tolerance:
-            return True
-        if attempt < effort.repairs:
-            pose.weights[distances > 0.97 * tolerance] *= 2.0
-            kernel.sweep(pose, lattice, groups, upwards, tolerance, weight, _costs(lattice))
-            upwards = not upwards
-    return False
+    return bool(largest_errors(pose).max(initial=0.0) <= tolerance)
 
 
 def search_plain(pose: Pose, lattice: Lattice, groups: np.ndarray, effort: Effort) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 import zlib
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -83,6 +84,7 @@ class Header(NamedTuple):
         return Layout.of(skeleton, self.has_translations, self.has_scales, self.n_others)
 
 
+@lru_cache(maxsize=8)
 def fingerprint(skeleton: Skeleton) -> int:
     """Return 16 bits by which joints, parents, rest pose and bone ends are recognised, up to .1 mm."""
     rest = np.concatenate(

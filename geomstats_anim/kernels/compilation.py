@@ -49,6 +49,11 @@ def compiled(function: Callable[..., Any]) -> Any:
     return kernel
 
 
+def inlined(function: Callable[..., Any]) -> Any:
+    """Compile a function into every kernel that calls it, for what is called so often that the call itself counts."""
+    return numba.njit(nogil=True, error_model="numpy", forceinline=True)(function)
+
+
 class _KernelCache(FunctionCache):
     """Numba's cache, in Numba's folders, with keys that cover all kernels, which are compiled into one another."""
 

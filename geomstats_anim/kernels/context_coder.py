@@ -1,20 +1,13 @@
-"""Entropy coding of integers: a binary arithmetic coder whose probabilities are mixed from several contexts.
-
-Mixing of stretched probabilities follows Mahoney, "Adaptive weighing of context models for lossless data compression",
-2005. Everything is in integers, so that a stream is the same on every machine. Encoding and decoding are one function.
-"""
+"""Entropy coding of the integers of a lattice: what is decided, and in which contexts."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-from geomstats_anim.kernels.compilation import compiled
+from geomstats_anim.kernels.binary_coder import AT, CODE, EVEN, decide_at
+from geomstats_anim.kernels.compilation import compiled, inlined
+from geomstats_anim.kernels.context_priors import ANY, LONGER, MORE, NONZERO, USED
 from geomstats_anim.kernels.contexts import above_of, activity_class, neighbours
-
-INPUTS = 6
-"""Contexts per decision."""
 
 UNARY = 14
 """Sizes up to here are coded as one decision per unit, the rest by its length in binary."""
@@ -25,170 +18,75 @@ DIGITS = 29
 LARGEST = 2**DIGITS - 1
 """Largest size of an integer that is coded."""
 
-KINDS = 64
-"""Sets of weights."""
 
-_SQUASH = np.array(
-    [
-        1, 2, 3, 6, 10, 16, 27, 45, 73, 120, 194, 310, 488, 747, 1101, 1546, 2047, 2549, 2994, 3348, 3607, 3785, 3901,
-        3975, 4022, 4050, 4068, 4079, 4085, 4089, 4092, 4093, 4094,
-    ]
-)  # fmt: skip
-"""4096 / (1 + exp(-x)) for x from -8 to 8 by halves."""
-
-
-def _stretch_table() -> np.ndarray:
-    """Invert `squash`: 256 times log(p / (1 - p)), for p in 1 / 4096."""
-    table = np.full(4096, 2047)
-    first = 0
-    for x in range(-2047, 2048):
-        p = _squash_of(x)
-        table[first : p + 1] = np.where(np.arange(first, p + 1) >= first, x, 0)
-        first = max(first, p + 1)
-    return table
-
-
-def _squash_of(x: int) -> int:
-    at, rest = (x + 2048) // 128, (x + 2048) % 128
-    return int((_SQUASH[at] * (128 - rest) + _SQUASH[min(at + 1, 32)] * rest + 64) // 128)
-
-
-STRETCH = _stretch_table()
-SQUASH = np.array([_squash_of(x) for x in range(-2047, 2048)])
-RATES = np.array([65536 * 2 // (2 * n + 3) for n in range(256)])
-"""How far a probability moves at its n-th decision: 1 / (n + 1.5), in 1 / 65536."""
-
-LIMIT = 160
-LEARNING = 10
-
-# positions in the state of the coder
-LOW, HIGH, CODE, AT = 0, 1, 2, 3
-
-
-class Model(NamedTuple):
-    """What has been learned so far, and the coder.
-
-    Attributes
-    ----------
-    coder : array-like of int, shape=[4]
-        Bounds of the interval, the code that is read, and the place in the stream.
-    stream : array-like of uint8
-    decoding : bool
-    odds : array-like of int, shape=[INPUTS, n]
-        Probability of 1 in each context, in 1 / 65536.
-    seen : array-like of int, shape=[INPUTS, n]
-        Decisions seen in each context, up to `LIMIT`.
-    weights : array-like of int, shape=[KINDS, INPUTS]
-        Of the contexts, in 1 / 65536.
-    slots, inputs : array-like of int, shape=[INPUTS]
-        Contexts of the decision, and their stretched probabilities.
-    section : int
-        Contexts for each kind of decision.
-    """
-
-    coder: np.ndarray
-    stream: np.ndarray
-    decoding: bool
-    odds: np.ndarray
-    seen: np.ndarray
-    weights: np.ndarray
-    slots: np.ndarray
-    inputs: np.ndarray
-    section: int
-
-
-@compiled
-def code_bit(coder, stream, decoding, probability, bit):
-    """Code one decision, or return the one that was coded; the probability of 1 is in 1 / 65536."""
-    low, high = coder[LOW], coder[HIGH]
-    middle = low + ((high - low) >> 16) * probability + ((((high - low) & 0xFFFF) * probability) >> 16)
-    if decoding:
-        bit = 1 if coder[CODE] <= middle else 0
-    if bit:
-        high = middle
-    else:
-        low = middle + 1
-    while (low ^ high) & 0xFF000000 == 0:
-        if decoding:
-            byte = stream[coder[AT]] if coder[AT] < len(stream) else 0
-            coder[CODE] = ((coder[CODE] << 8) & 0xFFFFFFFF) | byte
-        else:
-            stream[coder[AT]] = high >> 24
-        coder[AT] += 1
-        low = (low << 8) & 0xFFFFFFFF
-        high = ((high << 8) & 0xFFFFFFFF) | 0xFF
-    coder[LOW], coder[HIGH] = low, high
-    return bit
-
-
-@compiled
-def decide(model, kind, bit):
-    """Code one decision by the mix of the contexts in `model.slots`."""
-    slots, inputs, weights = model.slots, model.inputs, model.weights[kind]
-    total = 0
-    for i in range(INPUTS):
-        inputs[i] = STRETCH[model.odds[i, slots[i]] >> 4]
-        total += inputs[i] * weights[i]
-    total = min(max(total >> 16, -2047), 2047)
-    mixed = SQUASH[total + 2047]
-    probability = min(max(mixed * 16, 32), 65536 - 32)
-    bit = code_bit(model.coder, model.stream, model.decoding, probability, bit)
-    error = ((bit << 12) - mixed) * LEARNING
-    for i in range(INPUTS):
-        weights[i] += (inputs[i] * error + 0x8000) >> 16
-        n = model.seen[i, slots[i]]
-        p = model.odds[i, slots[i]]
-        model.odds[i, slots[i]] = p + ((((bit << 16) - bit - p) * RATES[n]) >> 16)
-        if n < LIMIT:
-            model.seen[i, slots[i]] = n + 1
-    return bit
-
-
-@compiled
+@inlined
 def few(n):
     """Return a class of a size: 0, 1, 2, 3 to 4, 5 to 8, more."""
     return n if n < 3 else 3 if n < 5 else 4 if n < 9 else 5
 
 
 @compiled
-def set_slots(model, base, a, b, c, d, e, f):
-    """Choose the contexts of a decision, each behind the base of its kind."""
-    slots = model.slots
-    slots[0], slots[1], slots[2] = base + a, base + b, base + c
-    slots[3], slots[4], slots[5] = base + d, base + e, base + f
+def code_triple(model, lattice, band, k, group, crowd):
+    """Code the three integers of a group; return the sum of their sizes."""
+    q, level = lattice.integers, min(len(lattice.bands) - 2 - band, 7)
+    before, coarser, family = around_triple(q, lattice.bands, lattice.parents, band, k, group)
+    busy = activity_class(before, coarser, 0, family)
+    is_any = q[k, group, 0] != 0 or q[k, group, 1] != 0 or q[k, group, 2] != 0
+    near = (few(before) * 6 + few(coarser)) * 8 + level
+    beside = (few(family) * 6 + few(crowd)) * 3 + min(before, 2)
+    crowded = (few(crowd) * 16 + busy) * 8 + level
+    is_any = decide_at(
+        model, 0, level, ANY[busy, level], near, beside, group * 8 + level, busy * 8 + level,
+        group * 6 + few(busy // 2), crowded, is_any,
+    )  # fmt: skip
+    if not is_any:
+        return 0
+    total = 0
+    for c in range(3):
+        size = code_size(model, lattice, band, k, group, c, crowd, total, abs(q[k, group, c]))
+        if size:
+            negative = code_sign(model, lattice, band, k, group, c, q[k, group, c] < 0)
+            if model.decoding:
+                size = min(size, LARGEST)
+                q[k, group, c] = -size if negative else size
+        total += size
+    return total
+
+
+@inlined
+def around_triple(q, bands, parents, band, k, group):
+    """Return the sums over components of `neighbours`: before in time, coarser, parent joint."""
+    before, coarser, family = 0, 0, 0
+    for c in range(3):
+        sizes = neighbours(q, bands, parents, band, k, group, c)
+        before, coarser, family = before + sizes[0], coarser + sizes[1], sizes[3]
+    return before, coarser, family
 
 
 @compiled
-def code_size(model, lattice, band, k, group, c, crowd, size):
-    """Code the size of an integer."""
-    q, bands = lattice.integers, lattice.bands
-    before, coarser, others, family = neighbours(q, bands, lattice.parents, band, k, group, c)
-    level = min(len(bands) - 2 - band, 7)
+def code_size(model, lattice, band, k, group, c, crowd, total, size):
+    """Code the size of an integer, in a group that has any, when those before it have a total."""
+    before, coarser, others, family = neighbours(lattice.integers, lattice.bands, lattice.parents, band, k, group, c)
+    channel, level = group * 3 + c, min(len(lattice.bands) - 2 - band, 7)
     busy = activity_class(before, coarser, others, family)
-    channel = group * 3 + c
     near = (few(before) * 6 + few(coarser)) * 8 + level
     beside = (few(others) * 6 + few(family)) * 3 + min(before, 2)
-    nonzero = decide_at(
-        model,
-        0,
-        0 + level,
-        near,
-        beside,
-        channel * 8 + level,
-        busy * 8 + level,
-        group * 6 + few(busy // 2),
-        (few(crowd) * 16 + busy) * 3 + c,
-        size > 0,
-    )
-    if not nonzero:
-        return 0
+    state = c if total == 0 else c + 2  # 0, 1, 3, 4: in the last component of three, one must be there
+    if total > 0 or c < 2:
+        nonzero = decide_at(
+            model, 1, 15 + state, NONZERO[busy, state], near * 5 + state, beside * 5 + state, channel * 5 + state,
+            busy * 5 + state, group * 5 + state, (few(crowd) * 16 + busy) * 5 + state, size > 0,
+        )  # fmt: skip
+        if not nonzero:
+            return 0
     n = 1
     while n <= UNARY:
         m = min(n - 1, 6)
         more = decide_at(
             model,
-            1,
+            2,
             8 + m,
+            MORE[busy, m],
             near * 7 + m,
             beside * 7 + m,
             channel * 7 + m,
@@ -200,14 +98,7 @@ def code_size(model, lattice, band, k, group, c, crowd, size):
         if not more:
             return n
         n += 1
-    return UNARY + 1 + code_number(model, 3, group, size - UNARY - 1)
-
-
-@compiled
-def decide_at(model, section, kind, a, b, c, d, e, f, bit):
-    """Set the contexts and decide; sections of the tables are for kinds of decisions."""
-    set_slots(model, section * model.section, a, b, c, d, e, f)
-    return decide(model, kind, 1 if bit else 0)
+    return UNARY + 1 + code_number(model, 4, group, size - UNARY - 1)
 
 
 @compiled
@@ -219,7 +110,19 @@ def code_number(model, section, group, number):
             length += 1
     n = 0
     while n < DIGITS:
-        more = decide_at(model, section, 16 + min(n, 15), n, 32 + n, group * 32 + n, n, 64 + n, 96 + n, length > n)
+        more = decide_at(
+            model,
+            section,
+            20 + min(n, 12),
+            LONGER[1 if section == 6 else 0, min(n, 15)],
+            n,
+            32 + n,
+            group * 32 + n,
+            n,
+            64 + n,
+            96 + n,
+            length > n,
+        )
         if not more:
             break
         n += 1
@@ -229,7 +132,8 @@ def code_number(model, section, group, number):
         bit = decide_at(
             model,
             section,
-            32,
+            41,
+            EVEN,
             128 + min(first, 3) * 32 + n,
             256 + value % 4,
             256,
@@ -242,7 +146,7 @@ def code_number(model, section, group, number):
     return value - 1
 
 
-@compiled
+@inlined
 def sign_class(n):
     """Return 0, 1 or 2 for zero, positive, negative."""
     return 0 if n == 0 else 1 if n > 0 else 2
@@ -268,7 +172,7 @@ def code_sign(model, lattice, band, k, group, c, negative):
     around = ((family * 3 + c) * 3 + o1) * 3 + o2
     past = (left * 3 + second) * 8 + level
     return decide_at(
-        model, 2, 33 + level, past, over, channel * 3 + family, beside, channel * 3 + left, around, negative
+        model, 3, 42 + level, EVEN, past, over, channel * 3 + family, beside, channel * 3 + left, around, negative
     )
 
 
@@ -279,10 +183,10 @@ def code_scaling(model, lattice, k, group, c):
     before = q[k - 1, group, c] if k > 0 else 0
     rest = q[k, group, c] - before
     first = 0 if k == 0 else 1
-    number = code_number(model, 4 + first, group, abs(rest))
+    number = code_number(model, 5 + first, group, abs(rest))
     if number:
         channel = group * 3 + c
-        negative = decide_at(model, 6, 48 + first, first, channel, 0, 0, 0, 0, rest < 0)
+        negative = decide_at(model, 7, 50 + first, EVEN, first, channel, 0, 0, 0, 0, rest < 0)
         number = -number if negative else number
     if model.decoding:
         q[k, group, c] = min(max(before + number, -LARGEST), LARGEST)
@@ -309,24 +213,13 @@ def code(model, lattice):
         for k in range(bands[band], bands[band + 1]):
             crowd = 0
             for group in range(n_groups):
-                for c in range(3 if is_used[group] else 0):
-                    if band == 0:
+                if not is_used[group]:
+                    continue
+                if band == 0:
+                    for c in range(3):
                         code_scaling(model, lattice, k, group, c)
-                    else:
-                        crowd += code_integer(model, lattice, band, k, group, c, crowd)
-
-
-@compiled
-def code_integer(model, lattice, band, k, group, c, crowd):
-    """Code one integer of a wavelet; return its size."""
-    q = lattice.integers
-    size = code_size(model, lattice, band, k, group, c, crowd, abs(q[k, group, c]))
-    if size:
-        negative = code_sign(model, lattice, band, k, group, c, q[k, group, c] < 0)
-        if model.decoding:
-            size = min(size, LARGEST)
-            q[k, group, c] = -size if negative else size
-    return size
+                else:
+                    crowd += code_triple(model, lattice, band, k, group, crowd)
 
 
 @compiled
@@ -343,8 +236,9 @@ def code_used(model, lattice, band, is_used):
         family = is_used[above] if above >= 0 else 2
         is_used[group] = decide_at(
             model,
-            7,
-            50,
+            8,
+            52,
+            USED[level, family, is_used[group]],
             level * 2 + is_used[group],
             group,
             group * 2 + is_used[group],
@@ -353,20 +247,3 @@ def code_used(model, lattice, band, is_used):
             is_used[group],
             used,
         )
-
-
-@compiled
-def finish(coder, stream):
-    """Write the fewest bytes that end the stream, as zeros follow it; return its length."""
-    low, high = coder[LOW], coder[HIGH]
-    for n in range(5):
-        kept = (high >> (32 - 8 * n)) << (32 - 8 * n) if n else 0
-        if low <= kept <= high:
-            for i in range(n):
-                stream[coder[AT]] = (kept >> (24 - 8 * i)) & 0xFF
-                coder[AT] += 1
-            break
-    n = coder[AT]
-    while n > 0 and stream[n - 1] == 0:
-        n -= 1
-    return n

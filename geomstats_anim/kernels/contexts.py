@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from geomstats_anim.kernels.compilation import compiled
+from geomstats_anim.kernels.compilation import inlined
 
 ROTATION, TRANSLATION, PLAIN = 0, 1, 2
 """Kinds of groups: rotation vectors and translations of joints, and numbers that place nothing."""
@@ -44,7 +44,7 @@ ACTIVITIES = 16
 """Classes of how large the integers around one are."""
 
 
-@compiled
+@inlined
 def above_of(bands, band, k):
     """Return the coefficient of the next coarser band at the same time, -1 if there is none."""
     if band == 0:
@@ -54,7 +54,7 @@ def above_of(bands, band, k):
     return min(coarser + offset, first - 1)
 
 
-@compiled
+@inlined
 def neighbours(q, bands, parents, band, k, group, c):
     """Return the sizes of what is coded before an integer: before in time, coarser, other components, parent joint."""
     first = bands[band]
@@ -78,7 +78,7 @@ def neighbours(q, bands, parents, band, k, group, c):
     return before, coarser, others, family
 
 
-@compiled
+@inlined
 def activity_class(before, coarser, others, family):
     """Return the class, below `ACTIVITIES`, of the sizes that `neighbours` gives."""
     total = 3 * before + 2 * coarser + 2 * others + family

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from geomstats_anim.kernels import affine, vectors
-from geomstats_anim.kernels.compilation import compiled
+from geomstats_anim.kernels.compilation import compiled, inlined
 from geomstats_anim.kernels.contexts import PLAIN, ROTATION, activity_class, neighbours
 
 TERMS = 9
@@ -71,7 +71,7 @@ class Pose(NamedTuple):
     weights: np.ndarray
 
 
-@compiled
+@inlined
 def rotation_of(reference, vector):
     """Return the quaternion of a rotation vector on top of a reference."""
     half = 0.5 * np.sqrt(vectors.dot(vector, vector))
@@ -80,7 +80,7 @@ def rotation_of(reference, vector):
     return vectors.multiply(reference, turn)
 
 
-@compiled
+@inlined
 def right_jacobian(v, c):
     """Return how the body rotation moves with component c of a rotation vector, column c of the right Jacobian."""
     angle = np.sqrt(vectors.dot(v, v))
@@ -94,7 +94,7 @@ def right_jacobian(v, c):
     return (e[0] - a * once[0] + b * twice[0], e[1] - a * once[1] + b * twice[1], e[2] - a * once[2] + b * twice[2])
 
 
-@compiled
+@inlined
 def compose(left, right, out):
     """Multiply affine matrices, shape=[3, 4]."""
     for i in range(3):
@@ -104,7 +104,7 @@ def compose(left, right, out):
         out[i, 3] += left[i, 3]
 
 
-@compiled
+@inlined
 def image(m, x, y, z):
     """Apply an affine matrix to a point."""
     return (
@@ -158,6 +158,7 @@ def gather(pose, joint, kind, c, tolerance, relative, terms):
     first, last = pose.below[joint], pose.below[joint + 1]
     factor = 1.0 / tolerance**2
     turned, unscaled = np.empty((3, 4)), np.ones(3)
+    offsets, targets = pose.offsets, pose.targets
     for f in range(len(pose.vectors)):
         for k in range(TERMS):
             terms[k, f] = 0.0
@@ -180,10 +181,9 @@ def gather(pose, joint, kind, c, tolerance, relative, terms):
                 compose(relative[pose.member_parents[first + i]], pose.locals[f, d], relative[i])
             weight = pose.weights[f, d]
             for p in range(pose.first_marker[d], pose.first_marker[d + 1]):
-                o, target = pose.offsets[p], pose.targets[f, p]
-                x, y, z = image(relative[i], o[0], o[1], o[2])
+                x, y, z = image(relative[i], offsets[p, 0], offsets[p, 1], offsets[p, 2])
                 ex, ey, ez = image(own, x, y, z)
-                ex, ey, ez = ex - target[0], ey - target[1], ez - target[2]
+                ex, ey, ez = ex - targets[f, p, 0], ey - targets[f, p, 1], ez - targets[f, p, 2]
                 if kind == ROTATION:
                     w = vectors.cross(u, (s[0] * x, s[1] * y, s[2] * z))
                     dx = turned[0, 0] * w[0] + turned[0, 1] * w[1] + turned[0, 2] * w[2]
@@ -197,7 +197,7 @@ def gather(pose, joint, kind, c, tolerance, relative, terms):
                 add_fourth_power(terms, f, q0, q1, q2, weight)
 
 
-@compiled
+@inlined
 def add_fourth_power(terms, f, q0, q1, q2, weight):
     """Add the fourth power of a quadratic to the polynomial of a frame."""
     a0, a1, a2, a3, a4 = q0 * q0, 2.0 * q0 * q1, q1 * q1 + 2.0 * q0 * q2, 2.0 * q1 * q2, q2 * q2
@@ -224,7 +224,7 @@ def gather_plain(pose, place, c, terms):
         add_fourth_power(terms, f, factor * error * error, 2.0 * factor * error, factor, 1.0)
 
 
-@compiled
+@inlined
 def change(terms, start, values, step):
     """Return how much a move along a basis function, times a step, changes the sum."""
     total = 0.0
@@ -237,7 +237,7 @@ def change(terms, start, values, step):
     return total
 
 
-@compiled
+@inlined
 def shift(terms, start, values, step):
     """Move along a basis function: expand every polynomial about its new place."""
     for i in range(len(values)):
@@ -247,7 +247,7 @@ def shift(terms, start, values, step):
                 terms[k, f] += a * terms[k + 1, f]
 
 
-@compiled
+@inlined
 def bits_of(costs, size):
     """Return the estimated bits of an integer's size and sign."""
     if size == 0:
@@ -256,7 +256,7 @@ def bits_of(costs, size):
     return costs[min(size, LARGEST)] + 1.0 + (2.0 * np.log2(beyond + 1.0) if beyond > 0 else 0.0)
 
 
-@compiled
+@inlined
 def statistics_of(table, lattice, band, k, group, c):
     """Return the row of a table, shape=[bands, activities, sizes], for an integer."""
     around = neighbours(lattice.integers, lattice.bands, lattice.parents, band, k, group, c)
@@ -353,12 +353,13 @@ def sweep(pose, lattice, groups, is_upwards, tolerance, weight, costs):
 @compiled
 def errors(pose, distances):
     """Write the largest distance of the markers of each joint from their places, shape=[F, B]."""
+    offsets, targets = pose.offsets, pose.targets
     for f in range(distances.shape[0]):
         for d in range(distances.shape[1]):
-            largest = 0.0
+            largest, matrix = 0.0, pose.matrices[f, d]
             for p in range(pose.first_marker[d], pose.first_marker[d + 1]):
-                o, target = pose.offsets[p], pose.targets[f, p]
-                x, y, z = image(pose.matrices[f, d], o[0], o[1], o[2])
-                square = (x - target[0]) ** 2 + (y - target[1]) ** 2 + (z - target[2]) ** 2
+                x, y, z = image(matrix, offsets[p, 0], offsets[p, 1], offsets[p, 2])
+                x, y, z = x - targets[f, p, 0], y - targets[f, p, 1], z - targets[f, p, 2]
+                square = x * x + y * y + z * z
                 largest = max(largest, square)
             distances[f, d] = np.sqrt(largest)

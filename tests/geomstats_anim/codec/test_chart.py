@@ -4,6 +4,7 @@ import motions
 import numpy as np
 
 from geomstats_anim import rotations as quat
+from geomstats_anim.codec import chart
 from geomstats_anim.codec.chart import (
     LONGEST,
     charted_pieces,
@@ -51,11 +52,19 @@ def test_joints_far_from_rest_get_a_near_reference():
     assert quat.distance(references(rest, turns)[1], rotations[0, 1]) < 0.3
 
 
-def test_spins_are_cut_until_each_piece_has_a_chart():
+def test_spins_have_charts_without_jumps():
     rotations, rest = spin(4.0), np.array([[0.0, 0.0, 0.0, 1.0]])
     bounds = charted_pieces(rest, rotations, np.array([0, len(rotations)]))
-    assert bounds[0] == 0 and bounds[-1] == len(rotations) and len(bounds) > 4
+    assert bounds[0] == 0 and bounds[-1] == len(rotations)
     for start, stop in zip(bounds[:-1], bounds[1:], strict=True):
         piece = rotations[start:stop]
         vectors = to_vectors(references(rest, choose_turns(rest, piece)), piece)
         assert np.linalg.norm(vectors, axis=-1).max() <= LONGEST
+        assert np.linalg.norm(np.diff(vectors, axis=0), axis=-1).max() < 1.0
+
+
+def test_what_no_reference_covers_is_cut(monkeypatch):
+    monkeypatch.setattr(chart, "LONGEST", 0.5)
+    rotations, rest = spin(1.0), np.array([[0.0, 0.0, 0.0, 1.0]])
+    bounds = charted_pieces(rest, rotations, np.array([0, len(rotations)]))
+    assert len(bounds) > 4 and (np.diff(bounds) > 0).all()
