@@ -22,6 +22,7 @@ VERBS = {
     "learn": "learn the metric that rebuilds or predicts animation best",
     "live": "see a character play, and bend its in-betweens with the mouse",
     "metric": "show, set, copy, export and import stored metrics",
+    "study": "ask people which motion they prefer, and evaluate their answers",
     "compare": "compare interpolation schemes, and write a report",
 }
 """Each verb, the module of the same name, in a line."""

@@ -19,6 +19,7 @@ from usd_tools import (
     metric,
     pack,
     resample,
+    study,
     to_bvh,
     unpack,
     upsample,
@@ -48,6 +49,7 @@ def run(request, capsys):
         metric,
         resample,
         pack,
+        study,
         unpack,
         to_bvh,
     )

@@ -13,6 +13,7 @@ from usd_tools.comparison.results import ComparedClip, named, write_rebuilt, wri
 from usd_tools.comparison.trials import TrialResult, all_trials
 from usd_tools.comparison.workers import measure_all
 from usd_tools.console.errors import Messages, ToolError
+from usd_tools.console.options import PrimOptions
 from usd_tools.console.progress import Progress, ProgressCallback
 from usd_tools.files.folders import check_folder, made_beside
 from usd_tools.files.openusd_errors import openusd_errors, usd_warnings
@@ -32,7 +33,7 @@ def compare_files(
     messages = Messages(warn)
     check_folder(out, TOOL, ())
     with usd_warnings(messages):
-        clips, skipped = _read(sources, options, messages)
+        clips, skipped = read_compared(sources, options, messages)
         layers = [layer.realPath for each in clips for layer in each.clip.source.stage.GetUsedLayers()]
         check_folder(out, TOOL, [each.path for each in clips] + [path for path in layers if path])
         results = _measure(clips, options, messages, progress)
@@ -40,9 +41,16 @@ def compare_files(
             return _write(out, folder, clips, results, skipped, options, messages, progress)
 
 
-def _read(
-    sources: Sequence[Path], options: CompareOptions, messages: Messages
+def read_compared(
+    sources: Sequence[Path], options: PrimOptions, messages: Messages
 ) -> tuple[list[ComparedClip], list[Skipped]]:
+    """Read the clips of files and folders, each under a name of its own; what cannot be compared is named.
+
+    Raises
+    ------
+    ToolError
+        If nothing can be compared.
+    """
     files = find_files(sources, messages)
     found, skipped = [], []
     for path in files:

@@ -1,0 +1,1 @@
+"""The parts of `study`: a blind page with pairs of motions, and what its answers say."""
