@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from geomstats_anim.learned_metric import LearnedMetric
     from geomstats_anim.learning.compression import Compressed, compress
     from geomstats_anim.learning.learn import learn_metric
+    from geomstats_anim.learning.library.learn_library import learn_library
+    from geomstats_anim.learning.library.motion_library import MotionLibrary
     from geomstats_anim.parameters import MetricParameters
     from geomstats_anim.riemannian.pose import PoseMetric, PoseSpace
     from geomstats_anim.riemannian.so3 import SO3InvariantMetric
@@ -30,6 +32,7 @@ __all__ = [
     "LogResult",
     "LogStatus",
     "MetricParameters",
+    "MotionLibrary",
     "PoseMetric",
     "PoseSpace",
     "SO3InvariantMetric",
@@ -37,6 +40,7 @@ __all__ = [
     "__version__",
     "compress",
     "interpolate",
+    "learn_library",
     "learn_metric",
     "optimal_keyframes",
     "quality",
@@ -52,6 +56,8 @@ _MODULES = {
     "learned_metric": ("LearnedMetric",),
     "learning.compression": ("Compressed", "compress"),
     "learning.learn": ("learn_metric",),
+    "learning.library.learn_library": ("learn_library",),
+    "learning.library.motion_library": ("MotionLibrary",),
     "parameters": ("MetricParameters",),
     "riemannian.pose": ("PoseMetric", "PoseSpace"),
     "riemannian.so3": ("SO3InvariantMetric",),

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from geomstats_anim.names import repeated_name
+from geomstats_anim.names import BENT, repeated_name
 from geomstats_anim.parameters import CurveParameters, MetricParameters
 from geomstats_anim.rotations import Array
 from geomstats_anim.strict_json import dump_json, parse_json
@@ -95,9 +95,11 @@ class LearnedMetric:
         return CurveParameters(self.parameters, self.tension, self.translation_tension)
 
     def for_scheme(self, scheme: str) -> LearnedMetric:
-        """Return the metric for another scheme, with that scheme's usual tension, which was not learned."""
+        """Return the metric for another scheme, with its usual tension; schemes that are bent share their tension."""
+        if scheme == self.scheme or {scheme, self.scheme} <= set(BENT):
+            return replace(self, scheme=scheme)
         usual = CurveParameters.plain(scheme, len(self.joints)).tension
-        return self if scheme == self.scheme else replace(self, scheme=scheme, tension=usual, translation_tension=usual)
+        return replace(self, scheme=scheme, tension=usual, translation_tension=usual)
 
     def for_joints(self, joints: Sequence[str]) -> tuple[LearnedMetric, tuple[str, ...]]:
         """Match the metric to other joints, by name.

@@ -2,11 +2,23 @@
 
 from collections.abc import Sequence
 
-SCHEME_NAMES = ("constant", "linear", "slerp", "squad", "rotation-spline", "geodesic", "geodesic-spline")
+OWN_SCHEMES = ("constant", "linear", "slerp", "squad", "rotation-spline", "geodesic", "geodesic-spline")
+"""Interpolation schemes that need nothing but the clip."""
+
+LEARNED = "learned"
+"""The scheme that needs a library of other clips."""
+
+SCHEME_NAMES = (*OWN_SCHEMES, LEARNED)
 """Interpolation schemes."""
 
-WITH_METRIC = ("geodesic", "geodesic-spline")
-"""Schemes that have a metric, which can be learned."""
+LEARNABLE = ("geodesic", "geodesic-spline")
+"""Schemes whose metric can be learned."""
+
+WITH_METRIC = (*LEARNABLE, LEARNED)
+"""Schemes that have a metric."""
+
+BENT = ("geodesic-spline", LEARNED)
+"""Schemes whose curves are bent by a tension."""
 
 DEFAULT_SCHEME = "geodesic-spline"
 """Used where neither the user nor a metric asks for another: with the identity metric it predicts best."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geomstats_anim import rotations as quat
-from geomstats_anim.names import INVARIANCES, MAX_TENSION
+from geomstats_anim.names import BENT, INVARIANCES, MAX_TENSION
 from geomstats_anim.rotations import Array
 
 MAX_CONDITION = 1e4
@@ -251,7 +251,7 @@ class CurveParameters:
     @classmethod
     def plain(cls, scheme: str, n_joints: int) -> CurveParameters:
         """Return the curve of a scheme with the bi-invariant metric: slerp, or the plain spline."""
-        make = cls.spline if scheme == "geodesic-spline" else cls.geodesic
+        make = cls.spline if scheme in BENT else cls.geodesic
         return make(MetricParameters.identity(n_joints))
 
     def at(self, joints: np.ndarray) -> CurveParameters:

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from geomstats_anim.names import KINDS, SCHEME_NAMES
+from geomstats_anim.names import KINDS, OWN_SCHEMES
 from usd_tools.comparison.options import DEFAULT_CHOICES, RATES, CompareOptions, SchemeChoice
 from usd_tools.comparison.result import CompareResult
 from usd_tools.console.arguments import add_prim, add_workers, share
@@ -122,7 +122,7 @@ def parser(prog: str = PROG) -> ArgumentParser:
         type=SchemeChoice.parse,
         nargs="+",
         default=list(DEFAULT_CHOICES),
-        help=f"of {', '.join(SCHEME_NAMES)}; a learned scheme may name its family, as in geodesic:spd, "
+        help=f"of {', '.join(OWN_SCHEMES)}; a learned scheme may name its family, as in geodesic:spd, "
         "or be plain, with nothing learned; default: all, and geodesic-spline:plain, as upsample without a metric",
     )
     parse.add_argument(

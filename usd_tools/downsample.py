@@ -17,7 +17,7 @@ from geomstats_anim.names import (
     DEFAULT_SCHEME,
     FAMILIES,
     MEASURES,
-    SCHEME_NAMES,
+    OWN_SCHEMES,
     SELECTIONS,
     WEIGHTS_TOLERANCE,
 )
@@ -245,7 +245,7 @@ def _add_choice(parse: ArgumentParser) -> None:
 def _add_metric(parse: ArgumentParser) -> None:
     parse.add_argument(
         "--scheme",
-        choices=SCHEME_NAMES,
+        choices=OWN_SCHEMES,
         default=DEFAULT_SCHEME,
         help="interpolation that rebuilds the rest; default: %(default)s",
     )

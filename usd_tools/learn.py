@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from geomstats_anim.names import DEFAULT_SCHEME, FAMILIES, INVARIANCE_CHOICES, KINDS, PURPOSES, SEARCHES, WITH_METRIC
+from geomstats_anim.names import DEFAULT_SCHEME, FAMILIES, INVARIANCE_CHOICES, KINDS, LEARNABLE, PURPOSES, SEARCHES
 from usd_tools.console.arguments import add_output, add_prim, add_workers, seed, share, whole_number
 from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
@@ -153,7 +153,7 @@ def parser(prog: str = PROG) -> ArgumentParser:
         nargs="+",
         help="USD file, or a folder to search with its subfolders",
     )
-    parse.add_argument("-o", "--out", metavar="OUT", type=Path, help="USD file or .json file to write")
+    parse.add_argument("-o", "--out", metavar="OUT", type=Path, help="USD file, .json file or .inbetween file to write")
     _add_metric(parse)
     add_prim(parse)
     parse.add_argument(
@@ -183,6 +183,12 @@ def _add_metric(parse: ArgumentParser) -> None:
         "cross-validation shows a gain on unseen frames",
     )
     parse.add_argument(
+        "--library",
+        action="store_true",
+        help="with --purpose predict: learn from 10 to 120 clips of one rig what splines miss, for other clips of it, "
+        "instead of a metric; OUT ends in .inbetween, and is used by usd_tools.upsample --library OUT",
+    )
+    parse.add_argument(
         "--search",
         choices=SEARCHES,
         default=SEARCHES[0],
@@ -201,7 +207,7 @@ def _add_metric(parse: ArgumentParser) -> None:
         default="joint",
         help="left, right, the better side for all joints (clip), or for each joint (joint, the default)",
     )
-    parse.add_argument("--scheme", choices=WITH_METRIC, default=DEFAULT_SCHEME, help="interpolation to learn for")
+    parse.add_argument("--scheme", choices=LEARNABLE, default=DEFAULT_SCHEME, help="interpolation to learn for")
     parse.add_argument(
         "--kind",
         choices=KINDS,

@@ -19,7 +19,7 @@ from usd_tools.console.progress import ProgressBar, ProgressCallback
 from usd_tools.resampling.options import ResampleOptions
 from usd_tools.resampling.result import ResampleResult
 from usd_tools.skel.frame_rates import typed_rate
-from usd_tools.upsampling.arguments import add_cuts, add_metric
+from usd_tools.upsampling.arguments import add_cuts, add_library, add_metric
 
 if TYPE_CHECKING:
     from pxr import Usd
@@ -158,6 +158,7 @@ def parser(prog: str = PROG) -> ArgumentParser:
     )
     add_cuts(parse)
     add_metric(parse)
+    add_library(parse)
     add_prim(parse)
     add_output(parse)
     parse.add_argument("--dry-run", action="store_true", help="compute, but write no OUT")

@@ -9,7 +9,7 @@ from geomstats_anim.animation import Animation
 from geomstats_anim.geodesics.exponential import Rates, bent_rates, logarithm_rates
 from geomstats_anim.interpolation.curves import Curve, Metric, times_at
 from geomstats_anim.learned_metric import LearnedMetric
-from geomstats_anim.names import WITH_METRIC
+from geomstats_anim.names import LEARNABLE, WITH_METRIC
 from geomstats_anim.rotations import Array
 
 
@@ -21,7 +21,7 @@ class _WithoutMetric(Curve):
         if metric is not None and not (isinstance(metric, LearnedMetric) and metric.scheme not in WITH_METRIC):
             name = type(self).__name__
             raise ValueError(
-                f"{name} has no metric; leave it out, or use one of the schemes {' and '.join(WITH_METRIC)}."
+                f"{name} has no metric; leave it out, or use one of the schemes {' and '.join(LEARNABLE)}."
             )
         super().__init__(animation, metric)
 

@@ -8,10 +8,11 @@ from numpy.typing import ArrayLike
 
 from geomstats_anim.animation import Animation
 from geomstats_anim.interpolation.curves import Curve, Metric
+from geomstats_anim.interpolation.learned_scheme import Help, Learned, Library
 from geomstats_anim.interpolation.metric_schemes import Geodesic, GeodesicSpline
 from geomstats_anim.interpolation.plain_schemes import Constant, Linear, RotationSpline, Slerp, Squad
 from geomstats_anim.learned_metric import LearnedMetric
-from geomstats_anim.names import DEFAULT_SCHEME
+from geomstats_anim.names import DEFAULT_SCHEME, LEARNED
 
 
 class FallbackWarning(UserWarning):
@@ -26,12 +27,28 @@ SCHEMES: dict[str, type[Curve]] = {
     "rotation-spline": RotationSpline,
     "geodesic": Geodesic,
     "geodesic-spline": GeodesicSpline,
+    "learned": Learned,
 }
 """Every scheme by its name."""
 
 
+def make_curve(
+    animation: Animation, scheme: str, metric: Metric | None = None, library: Library | Help | None = None
+) -> Curve:
+    """Make the curve of a scheme; see `interpolate`."""
+    if library is None:
+        return SCHEMES[scheme](animation, metric)
+    if scheme != LEARNED:
+        raise ValueError(f"The scheme {scheme} has no library; leave it out, or use the scheme {LEARNED}.")
+    return Learned(animation, metric, library)
+
+
 def interpolate(
-    animation: Animation, times: ArrayLike, scheme: str | None = None, metric: Metric | None = None
+    animation: Animation,
+    times: ArrayLike,
+    scheme: str | None = None,
+    metric: Metric | None = None,
+    library: Library | None = None,
 ) -> Animation:
     """Interpolate an animation.
 
@@ -47,6 +64,9 @@ def interpolate(
     metric : MetricParameters or LearnedMetric
         A learned metric is matched to the joints by name.
         Optional, default: the bi-invariant metric.
+    library : Library
+        For the scheme "learned"; see `learn_library`.
+        Optional, default: none, with which that scheme is "geodesic-spline".
 
     Returns
     -------
@@ -55,7 +75,7 @@ def interpolate(
     Raises
     ------
     ValueError
-        If there is no such scheme, the metric has other joints, or the scheme has no metric.
+        If there is no such scheme, the metric has other joints, or the scheme has no metric or no library.
 
     Warns
     -----
@@ -76,7 +96,7 @@ def interpolate(
         scheme = metric.scheme if isinstance(metric, LearnedMetric) else DEFAULT_SCHEME
     if scheme not in SCHEMES:
         raise ValueError(f"There is no scheme {scheme!r}; the schemes are {', '.join(SCHEMES)}.")
-    curve = SCHEMES[scheme](animation, metric)
+    curve = make_curve(animation, scheme, metric, library)
     if curve.fallbacks:
         warnings.warn(
             f"{len(curve.fallbacks)} segments are slerped. The first: {curve.fallbacks[0]}",

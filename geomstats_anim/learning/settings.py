@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
-from geomstats_anim.names import DEFAULT_SCHEME, FAMILIES, INVARIANCE_CHOICES, PURPOSES, SEARCHES, WITH_METRIC
+from geomstats_anim.names import DEFAULT_SCHEME, FAMILIES, INVARIANCE_CHOICES, LEARNABLE, PURPOSES, SEARCHES
 
 if TYPE_CHECKING:
     from geomstats_anim.learning.tune.settings import TuneSettings
@@ -46,7 +46,7 @@ class LearnSettings:
 
     def __post_init__(self) -> None:
         """Check the words; the kind and the weights are checked where they are used."""
-        for name, words in (("search", SEARCHES), ("purpose", PURPOSES), ("scheme", WITH_METRIC)):
+        for name, words in (("search", SEARCHES), ("purpose", PURPOSES), ("scheme", LEARNABLE)):
             word = getattr(self, name)
             if word not in words:
                 raise ValueError(f"There is no {name} {word!r}; the choices are {', '.join(words)}.")

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from geomstats_anim.names import DEFAULT_SCHEME, FAMILIES, KINDS, PURPOSES, SCHEME_NAMES, WITH_METRIC
+from geomstats_anim.names import DEFAULT_SCHEME, FAMILIES, KINDS, OWN_SCHEMES, PURPOSES, WITH_METRIC
 from usd_tools.console.arguments import share, whole_number
 from usd_tools.console.options import PrimOptions, one_of, option
 from usd_tools.console.parser import listed
@@ -19,7 +19,7 @@ RATES = (0.5, 0.3, 0.2, 0.1, 0.05)
 PLAIN = "plain"
 """Family of a scheme with the identity metric: nothing is learned."""
 
-DEFAULT_CHOICES = (*SCHEME_NAMES, f"{DEFAULT_SCHEME}:{PLAIN}")
+DEFAULT_CHOICES = (*OWN_SCHEMES, f"{DEFAULT_SCHEME}:{PLAIN}")
 """All schemes, and what `upsample` does without a metric."""
 
 
@@ -51,9 +51,9 @@ class SchemeChoice:
             If there is no such scheme or family, or the scheme learns nothing.
         """
         scheme, colon, family = text.partition(":")
-        if scheme not in SCHEME_NAMES:
+        if scheme not in OWN_SCHEMES:
             raise argparse.ArgumentTypeError(
-                f"must be {listed(SCHEME_NAMES)}, not {scheme!r}{did_you_mean(scheme, SCHEME_NAMES)}"
+                f"must be {listed(OWN_SCHEMES)}, not {scheme!r}{did_you_mean(scheme, OWN_SCHEMES)}"
             )
         if scheme not in WITH_METRIC:
             if colon:

@@ -11,7 +11,7 @@ from geomstats_anim.names import (
     FAMILIES,
     LARGEST,
     MEASURES,
-    SCHEME_NAMES,
+    OWN_SCHEMES,
     SELECTIONS,
     SHELL_RADIUS,
     WEIGHTS_TOLERANCE,
@@ -77,7 +77,7 @@ class DownsampleOptions(OutputOptions):
     shell: float | None = option(None, positive_number)
     select: str = option(SELECTIONS[0], one_of(SELECTIONS))
     keep: TimeCodes | None = option(None, as_time_codes)
-    scheme: str = option(DEFAULT_SCHEME, one_of(SCHEME_NAMES))
+    scheme: str = option(DEFAULT_SCHEME, one_of(OWN_SCHEMES))
     family: str | None = option(None, one_of(FAMILIES))
     kind: str | None = option(None, one_of(CRITERIA))
     picture: Path | None = option(None, Path, recorded=False)

@@ -15,7 +15,7 @@ from geomstats_anim import Animation, LearnedMetric, Skeleton, learn_metric
 from geomstats_anim.geodesics.shortest import Effort
 from geomstats_anim.interpolation.curves import Fallback
 from geomstats_anim.markers import joint_matrices
-from geomstats_anim.names import WITH_METRIC
+from geomstats_anim.names import LEARNABLE
 from geomstats_anim.rotations import Array
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.progress import ProgressCallback, SearchProgress
@@ -298,8 +298,8 @@ class EditSession:
         """
         state, motion = self._state, self._motion
         scheme = scheme or state.metric.scheme
-        if scheme not in WITH_METRIC:
-            raise ToolError(f"Nothing can be learned for {scheme}; choose {' or '.join(WITH_METRIC)}.")
+        if scheme not in LEARNABLE:
+            raise ToolError(f"Nothing can be learned for {scheme}; choose {' or '.join(LEARNABLE)}.")
         animations = [part.animation for part in motion.parts]
         watch = SearchProgress(progress, None).watch
         keyframes = state.keyframes(motion)

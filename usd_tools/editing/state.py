@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geomstats_anim import LearnedMetric, MetricParameters, optimal_keyframes
-from geomstats_anim.names import DEFAULT_SCHEME, SCHEME_NAMES
+from geomstats_anim.names import DEFAULT_SCHEME, LEARNED, SCHEME_NAMES
 from geomstats_anim.parameters import CurveParameters
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.text import did_you_mean, short_names
@@ -70,6 +70,9 @@ class EditState:
                 names = short_names(joints)
                 lost = ", ".join(names[joint] for joint in missing)
                 messages.warn(f"{path}: the metric has no entry for {lost}; using the identity there.")
+            if metric.scheme == LEARNED:
+                messages.warn(f"{path}: the scheme {LEARNED} needs a library; using {DEFAULT_SCHEME}.")
+                metric = metric.for_scheme(DEFAULT_SCHEME)
         return cls(metric, np.ones(len(motion.samples), dtype=bool))
 
     def keyframes(self, motion: EditableMotion) -> list[np.ndarray]:

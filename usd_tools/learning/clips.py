@@ -15,6 +15,7 @@ from usd_tools.console.text import counted, short_names
 from usd_tools.files.stages import stage_sha256
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.resampling import sampled_together
+from usd_tools.skel.vertical import vertical
 
 MIN_SAMPLES = 4
 """Two segments, and a sample between keys to be rebuilt."""
@@ -38,6 +39,8 @@ class TrainingClip:
         The animation's joints, in its own order.
     stretches : tuple of Animation
         All joints of the skeleton, at the samples of the rotations.
+    vertical : array-like, shape=[3]
+        Unit vector upwards in the space of the skeleton.
     """
 
     file: str
@@ -46,6 +49,7 @@ class TrainingClip:
     label: str
     joints: tuple[str, ...]
     stretches: tuple[Animation, ...]
+    vertical: np.ndarray
 
     def __str__(self) -> str:
         """Return the label."""
@@ -101,7 +105,7 @@ def training_clip(path: Path, clip: SkelClip, alone: bool = True) -> TrainingCli
         raise ToolError(f"{path}: no joint of {clip.path} turns, so there is nothing to learn.")
     label = path.name if alone else f"{path.name}, {clip.path}"
     sha256 = stage_sha256(clip.source.stage)
-    return TrainingClip(path.name, sha256, clip.path, label, clip.joints, moving)
+    return TrainingClip(path.name, sha256, clip.path, label, clip.joints, moving, vertical(clip))
 
 
 def _stretches(clip: SkelClip) -> list[Animation]:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
-from geomstats_anim.names import DEFAULT_SCHEME, FAMILIES, INVARIANCE_CHOICES, KINDS, PURPOSES, SEARCHES, WITH_METRIC
+from geomstats_anim.names import DEFAULT_SCHEME, FAMILIES, INVARIANCE_CHOICES, KINDS, LEARNABLE, PURPOSES, SEARCHES
 from usd_tools.console.arguments import seed, share, whole_number
 from usd_tools.console.errors import UsageError
 from usd_tools.console.options import OutputOptions, one_of, option
 
 PAPERS_RATE = 0.3
 """Share of samples kept as keys in most of the papers' figures."""
+
+LIBRARY_SUFFIX = ".inbetween"
+"""Of files that hold a library."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +32,8 @@ class LearnOptions(OutputOptions):
     purpose : str
         "reconstruct": fit these samples; "predict": only what cross-validation shows to carry over to others.
         Optional, default: "reconstruct".
+    library : bool
+        With "predict": learn what splines miss of these clips, for other clips of the rig, instead of a metric.
     family : str
         "diagonal" or "spd".
         Optional, default: "diagonal".
@@ -65,9 +70,10 @@ class LearnOptions(OutputOptions):
     rate: float = option(PAPERS_RATE, share)
     search: str = option(SEARCHES[0], one_of(SEARCHES))
     purpose: str = option(PURPOSES[0], one_of(PURPOSES))
+    library: bool = option(False, bool)
     family: str = option(FAMILIES[0], one_of(FAMILIES))
     invariance: str = option("joint", one_of(INVARIANCE_CHOICES))
-    scheme: str = option(DEFAULT_SCHEME, one_of(WITH_METRIC))
+    scheme: str = option(DEFAULT_SCHEME, one_of(LEARNABLE))
     kind: str = option("hyb", one_of(KINDS))
     weights: str | None = option(None, one_of(("depth",)))
     seed: int = option(0, seed)
@@ -81,6 +87,8 @@ class LearnOptions(OutputOptions):
 
     def check(self) -> None:
         """Refuse values that do not go together."""
+        if self.library:
+            self._check_library()
         needed = {"trials": SEARCHES[1:], "folder": SEARCHES[2:], "resume": SEARCHES[2:], "wandb": SEARCHES[2:]}
         for word, searches in needed.items():
             if getattr(self, word) is not None and self.search not in searches:
@@ -89,3 +97,11 @@ class LearnOptions(OutputOptions):
             raise UsageError("--folder starts a search and --resume continues one; leave one of them out")
         if (self.folder or self.resume) and self.purpose == "predict":
             raise UsageError("--folder and --resume hold one search, but --purpose predict runs several")
+
+    def _check_library(self) -> None:
+        if self.purpose != "predict":
+            raise UsageError("--library needs --purpose predict")
+        usual = {each.name: each.default for each in fields(self)}
+        for word in ("rate", "search", "family", "invariance", "scheme", "kind", "weights"):
+            if getattr(self, word) != usual[word]:
+                raise UsageError(f"--{word} is for a metric, and --library learns none; leave it out")

@@ -70,6 +70,34 @@ class MetricReport:
         return {name: list(value) if isinstance(value, tuple) else value for name, value in values.items()}
 
 
+@dataclass(frozen=True)
+class LibraryReport:
+    """A library that was learned.
+
+    Parameters
+    ----------
+    clips : tuple of str
+        Names of the clips that it was learned from.
+    frames : int
+        In all clips.
+    parts : tuple of dict
+        Parts of the body: part ("torso", "arm", "leg", "limb") and its joints.
+    gaps : tuple of float
+        Seconds between keys that it was learned for.
+    bytes : int
+        Size of the file.
+    sha256 : str
+        Of the file.
+    """
+
+    clips: tuple[str, ...]
+    frames: int
+    parts: tuple[dict[str, Any], ...]
+    gaps: tuple[float, ...]
+    bytes: int
+    sha256: str
+
+
 @dataclass(frozen=True, eq=False)
 class LearnResult:
     """Result of `learn`.
@@ -86,6 +114,8 @@ class LearnResult:
         One for each animation of a USD file or stage; one for all in a JSON file.
     skipped : tuple of Skipped
     warnings : tuple of str
+    library : LibraryReport or None
+        Instead of metrics.
     """
 
     path: Path | None
@@ -94,6 +124,7 @@ class LearnResult:
     metrics: tuple[MetricReport, ...]
     skipped: tuple[Skipped, ...]
     warnings: tuple[str, ...]
+    library: LibraryReport | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """Return the content of `--report`."""
@@ -103,6 +134,7 @@ class LearnResult:
             "output": self.output,
             "settings": self.settings,
             "metrics": [each.as_dict() for each in self.metrics],
+            **({} if self.library is None else {"library": asdict(self.library)}),
             "skipped": [asdict(each) for each in self.skipped],
             "warnings": list(self.warnings),
         }

@@ -16,7 +16,8 @@ from usd_tools.files.paths import EXTENSIONS, check_output, extension, same_file
 from usd_tools.files.stages import open_stage, stage_path
 from usd_tools.learning.clips import TrainingClip
 from usd_tools.learning.files import collect_training_clips, find_files, read_clips, training_clips
-from usd_tools.learning.options import LearnOptions
+from usd_tools.learning.library import learn_library_file
+from usd_tools.learning.options import LIBRARY_SUFFIX, LearnOptions
 from usd_tools.learning.result import TOOL, LearnResult, MetricReport, Skipped
 from usd_tools.learning.summary import describe, slerped_sentence
 from usd_tools.learning.train import AssessedMetric, learn_and_assess
@@ -38,7 +39,9 @@ def learn_files(
     if out is None and not options.in_place:
         raise UsageError("name the output with -o/--out")
     messages = Messages(warn)
-    if out is not None and out.suffix == ".json":
+    if options.library:
+        result = _learn_library(sources, out, options, messages, progress)
+    elif out is not None and out.suffix == ".json":
         result = _learn_json(sources, out, options, messages, progress)
     else:
         result = _learn_usd(sources, out, options, messages, progress)
@@ -64,23 +67,46 @@ def _learn_json(
     sources: Sequence[Path], out: Path, options: LearnOptions, messages: Messages, progress: ProgressCallback | None
 ) -> LearnResult:
     """Learn one metric for one rig, and write it to a file of its own."""
+    with usd_warnings(messages):
+        takes, skipped = _clips_of_one_rig(sources, out, options, messages, progress)
+        assessed = [_learn(takes, options, messages, progress)]
+    with written_beside(out) as beside:
+        beside.write_text(assessed[0].metric.to_json(), encoding="utf-8")
+    return _result(out, out.name, options, assessed, skipped, messages)
+
+
+def _learn_library(
+    sources: Sequence[Path],
+    out: Path | None,
+    options: LearnOptions,
+    messages: Messages,
+    progress: ProgressCallback | None,
+) -> LearnResult:
+    """Learn a library of one rig, and write it to a file of its own."""
+    if out is None or out.suffix != LIBRARY_SUFFIX:
+        raise UsageError(f"--library needs an --out that ends in {LIBRARY_SUFFIX}")
+    with usd_warnings(messages):
+        clips, skipped = _clips_of_one_rig(sources, out, options, messages, progress)
+        library = learn_library_file(clips, out, options, progress)
+    return LearnResult(out, out.name, options.settings(), (), tuple(skipped), tuple(messages.warnings), library)
+
+
+def _clips_of_one_rig(
+    sources: Sequence[Path], out: Path, options: LearnOptions, messages: Messages, progress: ProgressCallback | None
+) -> tuple[list[TrainingClip], list[Skipped]]:
+    """Read the clips that one file of its own is learned from."""
     check_output(out, "--out")
     for_usd = {"--in-place": options.in_place, "--flatten": options.flatten, "--usdFormat": options.usd_format}
     for option, value in for_usd.items():
         if value:
             raise ToolError(f"{option} needs a USD file, but --out is {out}; leave one of them out.")
     check_report(options.report, out)
-    with usd_warnings(messages):
-        files = find_files(sources, messages)
-        for argument, path in (("--out", out), ("--report", options.report)):
-            if path is not None and same_file(path, files):
-                raise ToolError(f"{argument} {path} is an input; choose another name.")
-        read = Progress(progress, len(files), "Reading")
-        takes, skipped = collect_training_clips(files, options.prim, options.skip_mismatched, messages, read.advance)
-        assessed = [_learn(takes, options, messages, progress)]
-    with written_beside(out) as beside:
-        beside.write_text(assessed[0].metric.to_json(), encoding="utf-8")
-    return _result(out, out.name, options, assessed, skipped, messages)
+    files = find_files(sources, messages)
+    for argument, path in (("--out", out), ("--report", options.report)):
+        if path is not None and same_file(path, files):
+            raise ToolError(f"{argument} {path} is an input; choose another name.")
+    read = Progress(progress, len(files), "Reading")
+    return collect_training_clips(files, options.prim, options.skip_mismatched, messages, read.advance)
 
 
 def _learn_usd(

@@ -7,8 +7,8 @@ from typing import Any
 
 from geomstats_anim.names import DEFAULT_SCHEME
 from usd_tools.console.tables import show
-from usd_tools.console.text import counted, say, say_command
-from usd_tools.learning.result import LearnResult, MetricReport
+from usd_tools.console.text import counted, say, say_command, short_names
+from usd_tools.learning.result import LearnResult, LibraryReport, MetricReport
 from usd_tools.learning.train import AssessedMetric
 from usd_tools.metrics.attributes import summary
 from usd_tools.metrics.explain import EXPLANATION, HEADER, joint_meanings, table_rows
@@ -18,13 +18,34 @@ def print_summary(result: LearnResult, verbose: bool) -> None:
     """Print a table for each metric, and a line on what was written."""
     for report in result.metrics:
         _print_metric(report, verbose)
+    if result.library is not None:
+        _print_library(result.library)
     if result.path is None:
         return
     if result.path.suffix == ".json":
         say(f"Wrote {result.path}. Use it with:")
         say_command(f"python -m usd_tools.upsample IN -o OUT --factor 4 --metric {shlex.quote(str(result.path))}")
+    elif result.library is not None:
+        say(f"Wrote {result.path}. Use it with:")
+        say_command(f"python -m usd_tools.upsample IN -o OUT --factor 4 --library {shlex.quote(str(result.path))}")
     else:
         say(f"Wrote {result.path}: the metric, with every sample unchanged. usd_tools.upsample uses the metric.")
+
+
+def _print_library(library: LibraryReport) -> None:
+    low, high = library.gaps[0], library.gaps[-1]
+    say(
+        f"{_named(library.clips)}: {library.frames} frames; in-betweens between keys {low:.2g} to {high:.2g} seconds "
+        f"apart, {library.bytes / 1e6:.1f} MB"
+    )
+    joints = [joint for part in library.parts for joint in part["joints"]]
+    names = short_names(joints)
+    parts = (f"{part['part']} from {names[part['joints'][0]]}" for part in library.parts if part["joints"])
+    say(f"  parts of the body: {', '.join(parts)}")
+    say(
+        "It helps for motions like those in these clips. Of every clip that uses it, upsample hides every second "
+        "sample and keeps of the prediction what helps there."
+    )
 
 
 def _print_metric(report: MetricReport, verbose: bool) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,9 +18,9 @@ from usd_tools.resampling.result import ResampleResult
 from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.find import find_animations, select_animations
-from usd_tools.skel.resampling import Resampled, with_codes
+from usd_tools.skel.resampling import with_codes
 from usd_tools.skel.xforms import XformOp, cuts_of, find_xform_ops, resample_op
-from usd_tools.upsampling.clips import animated_clips, check_schemes, check_size, with_cuts
+from usd_tools.upsampling.clips import animated_clips, check_schemes, check_size, read_library, with_cuts
 from usd_tools.upsampling.metric import ChosenMetric, choose_metrics
 from usd_tools.upsampling.run import Work, interpolated, work_on_file, work_on_stage
 from usd_tools.upsampling.summary import UpsampledClip
@@ -67,7 +68,7 @@ def _resampled(
 ) -> list[UpsampledClip]:
     clips = animated_clips(path, select_animations(path, find_animations(stage), options.prim), messages)
     clips = with_cuts(clips, options)
-    metrics = choose_metrics(path, clips, options, messages, progress)
+    metrics = choose_metrics(path, clips, options, messages, progress, read_library(options))
     check_schemes(options, clips, metrics)
     frames = [_frames(clip, options, messages) for clip in clips]
     smooth = [filtered_clip(clip, _fps(options)) if options.antialias else clip for clip in clips]
@@ -77,7 +78,7 @@ def _resampled(
         clip, codes, chosen, dense = parts
         channels = {name: at_frames(channel, codes) for name, channel in dense.channels.items()}
         xforms = () if options.no_xforms else _xforms(clip, chosen, options, messages)
-        found.append(UpsampledClip(clip, codes, chosen, Resampled(channels, dense.fallbacks), xforms))
+        found.append(UpsampledClip(clip, codes, chosen, replace(dense, channels=channels), xforms))
     return found
 
 

@@ -8,8 +8,11 @@ from functools import reduce
 
 import numpy as np
 
-from geomstats_anim import SCHEMES, Animation, LearnedMetric
+from geomstats_anim import Animation, LearnedMetric
 from geomstats_anim.interpolation.curves import Curve, Fallback
+from geomstats_anim.interpolation.learned_scheme import Help, Library
+from geomstats_anim.interpolation.metric_schemes import curve_parameters
+from geomstats_anim.interpolation.schemes import make_curve
 from usd_tools.console.errors import ToolError
 from usd_tools.skel.blocks import joint_blocks
 from usd_tools.skel.channels import Channel, held, sampled_alike, step_pairs
@@ -113,6 +116,7 @@ class Resampled:
 
     channels: Mapping[str, Channel]
     fallbacks: tuple[Fallback, ...]
+    helps: tuple[Help, ...] = ()
 
 
 def resample(
@@ -120,6 +124,7 @@ def resample(
     codes: np.ndarray,
     scheme: str,
     metric: LearnedMetric | None = None,
+    library: Library | None = None,
     advance: Callable[[float], None] = lambda share: None,
 ) -> Resampled:
     """Interpolate a clip.
@@ -138,6 +143,9 @@ def resample(
     metric : LearnedMetric
         Joints of the skeleton for which it has no entry get the identity.
         Optional, default: the bi-invariant metric.
+    library : Library
+        For the scheme "learned".
+        Optional, default: none.
     advance : callable
         Told the share of the work done since it was called last.
         Optional, default: nobody is told.
@@ -156,6 +164,7 @@ def resample(
     animated = {name: channel for name, channel in clip.channels.items() if channel.is_animated}
     filled = {name: held(channel, codes) for name, channel in animated.items()}
     fallbacks: list[Fallback] = []
+    helps: list[Help] = []
     n_spans = sum(len(clip.spans(name)) for name in animated)
     weights = animated.pop("blendShapeWeights", None)
     if weights is not None:
@@ -165,8 +174,13 @@ def resample(
     for names in sampled_alike(animated):
         try:
             for span in clip.spans(names[0]):
+                help = None
+                if library is not None and "rotations" in names:
+                    helps.append(_help(clip, names, span, metric, library))
+                    help = helps[-1].at_joints(clip.columns)
                 for joints in joint_blocks(len(clip.joints), span.stop - span.start):
-                    curve = SCHEMES[scheme](clip.joint_keys(names, span, joints), metric)
+                    keys = clip.joint_keys(names, span, joints)
+                    curve = make_curve(keys, scheme, metric, None if help is None else help.at_joints(joints))
                     fallbacks += curve.fallbacks
                     part = len(names) * (joints.stop - joints.start) / len(clip.joints) / n_spans
                     for share in _fill(clip, names, span, joints, curve, filled):
@@ -174,7 +188,14 @@ def resample(
         except ValueError as error:
             raise ToolError(f"{clip.path} cannot be interpolated: {error}") from error
     place = {joint: k for k, joint in enumerate(clip.skeleton.joints)}
-    return Resampled(filled, tuple(sorted(fallbacks, key=lambda each: (each.start_time, place[each.joint]))))
+    fallbacks.sort(key=lambda each: (each.start_time, place[each.joint]))
+    return Resampled(filled, tuple(fallbacks), tuple(helps))
+
+
+def _help(clip: SkelClip, names: Sequence[str], span: slice, metric: LearnedMetric | None, library: Library) -> Help:
+    """Return what a library does for all joints of a span, which it needs together."""
+    keys = clip.keys(names, span)
+    return library.help(keys, curve_parameters(metric, keys))
 
 
 def sampled_together(clip: SkelClip) -> SkelClip:

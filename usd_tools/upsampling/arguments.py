@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from geomstats_anim.names import DEFAULT_SCHEME, INVARIANCES, SCHEME_NAMES
 from usd_tools.console.arguments import positive_number, time_codes
@@ -59,4 +60,15 @@ def add_metric(parse: argparse.ArgumentParser) -> None:
         default=[],
         help="set values for joints whose name matches: 'PATTERN:alpha=4,beta=.5,invariance=right,tension=0', also "
         "translation-tension, and axes=X Y Z: their rotation vector in degrees; repeatable, the last wins",
+    )
+
+
+def add_library(parse: argparse.ArgumentParser) -> None:
+    """Add the option for a library."""
+    parse.add_argument(
+        "--library",
+        metavar="FILE",
+        type=Path,
+        help="predict what splines miss from other clips of this rig, as far as it helps on the samples themselves; "
+        "FILE is made by usd_tools.learn --library; implies --scheme learned",
     )

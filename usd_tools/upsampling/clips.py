@@ -8,8 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from geomstats_anim.names import WITH_METRIC
+from geomstats_anim import LearnedMetric
+from geomstats_anim.names import DEFAULT_SCHEME, LEARNABLE, LEARNED
 from usd_tools.console.errors import Messages, ToolError
+from usd_tools.libraries.files import LibraryFile
 from usd_tools.skel.clip import SkelClip, read_clips
 from usd_tools.skel.find import AnimationSource
 from usd_tools.skel.resampling import without_cuts
@@ -81,8 +83,19 @@ def with_cuts(clips: Sequence[SkelClip], options: CurveOptions) -> list[SkelClip
     ]
 
 
+def read_library(options: CurveOptions) -> LibraryFile | None:
+    """Read the library that is asked for, if one is.
+
+    Raises
+    ------
+    ToolError
+        If it cannot be read, or is broken.
+    """
+    return None if options.library is None else LibraryFile.read(options.library)
+
+
 def check_schemes(options: CurveOptions, clips: Sequence[SkelClip], metrics: Sequence[ChosenMetric]) -> None:
-    """Refuse options about a metric where the scheme, asked for or stored, has none.
+    """Refuse options about a metric where the scheme, asked for or stored, has none, and a scheme without its library.
 
     Raises
     ------
@@ -92,12 +105,23 @@ def check_schemes(options: CurveOptions, clips: Sequence[SkelClip], metrics: Seq
     words = _STYLES if options.scheme is None else ("metric", *_STYLES)
     given = [f"--{word.replace('_', '-')}" for word in words if getattr(options, word) not in (None, ())]
     for clip, chosen in zip(clips, metrics, strict=True):
+        if chosen.metric.scheme == LEARNED and chosen.library is None:
+            raise ToolError(
+                f"{clip.path}: the metric names the scheme {LEARNED}, which needs {_library_of(chosen.metric)}; give "
+                f"it as --library, or choose --scheme {DEFAULT_SCHEME}."
+            )
         if given and not chosen.is_used:
             raise ToolError(
                 f"{clip.path}: the scheme {chosen.metric.scheme} has no metric; leave out {', '.join(given)}, or use "
-                f"--scheme {' or '.join(WITH_METRIC)}."
+                f"--scheme {' or '.join(LEARNABLE)}."
             )
         if chosen.metric.scheme == "geodesic" and any(style.has_tension for style in options.styles):
             raise ToolError(
                 f"{clip.path}: the scheme geodesic has no tension; leave out tensions, or use --scheme geodesic-spline."
             )
+
+
+def _library_of(metric: LearnedMetric) -> str:
+    """Name the library that a metric was used with."""
+    used = metric.provenance.get("library")
+    return f"the library {used['file']}" if isinstance(used, dict) and "file" in used else "a library"

@@ -7,13 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from geomstats_anim import LearnedMetric
-from geomstats_anim.names import DEFAULT_SCHEME, SCHEME_NAMES, WITH_METRIC
+from geomstats_anim.learning.library.motion_library import MotionLibrary
+from geomstats_anim.names import DEFAULT_SCHEME, LEARNABLE, LEARNED, SCHEME_NAMES, WITH_METRIC
 from geomstats_anim.strict_json import read_text
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.progress import ProgressCallback
 from usd_tools.console.text import did_you_mean, short_names
 from usd_tools.files.paths import EXTENSIONS, extension
 from usd_tools.files.stages import open_stage
+from usd_tools.libraries.files import LibraryFile
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.find import find_animations
 from usd_tools.skel.stored_metric import stored_metric
@@ -38,12 +40,20 @@ class ChosenMetric:
         Joints of which a stored or given metric has no entry.
     learned : str
         What learning brought, a sentence; "" if nothing was learned.
+    library_file : LibraryFile or None
+        For the scheme "learned".
     """
 
     metric: LearnedMetric
     origin: str
     missing: tuple[str, ...]
     learned: str = ""
+    library_file: LibraryFile | None = None
+
+    @property
+    def library(self) -> MotionLibrary | None:
+        """The library itself."""
+        return None if self.library_file is None else self.library_file.library
 
     @property
     def is_used(self) -> bool:
@@ -57,6 +67,7 @@ def choose_metrics(
     options: StyleOptions,
     messages: Messages,
     progress: ProgressCallback | None = None,
+    library: LibraryFile | None = None,
 ) -> list[ChosenMetric]:
     """Choose the metric and the scheme for each animation.
 
@@ -72,6 +83,9 @@ def choose_metrics(
     progress : ProgressCallback
         Of learning.
         Optional, default: none.
+    library : LibraryFile
+        For the scheme "learned", which it implies.
+        Optional, default: none.
 
     Returns
     -------
@@ -80,7 +94,8 @@ def choose_metrics(
     Raises
     ------
     ToolError
-        If a metric is not there or malformed, its scheme is not known, or a style or the file matches no joint.
+        If a metric is not there or malformed, its scheme is not known, a style or the file matches no joint, or
+        the library is of another rig.
     """
     every_joint = [joint for clip in clips for joint in clip.joints]
     check_styles(options.styles, clips)
@@ -89,7 +104,7 @@ def choose_metrics(
         raise ToolError(
             f"--metric {options.metric} has an entry for no joint of this file, which has {_a_few(every_joint)}."
         )
-    return [_choose(path, clip, from_file, options, messages, progress) for clip in clips]
+    return [_choose(path, clip, from_file, library, options, messages, progress) for clip in clips]
 
 
 def check_styles(styles: Sequence[Style], clips: Sequence[SkelClip]) -> None:
@@ -129,6 +144,7 @@ def _choose(
     path: Path,
     clip: SkelClip,
     from_file: LearnedMetric | None,
+    library: LibraryFile | None,
     options: StyleOptions,
     messages: Messages,
     progress: ProgressCallback | None,
@@ -138,7 +154,8 @@ def _choose(
         origin = options.metric.name
     elif options.metric == "learn" and clip.joints:
         origin = "learned"
-        base, learned = learn_from_clip(path, clip, options.scheme, messages, progress)
+        scheme = DEFAULT_SCHEME if options.scheme == LEARNED else options.scheme
+        base, learned = learn_from_clip(path, clip, scheme, messages, progress)
     elif options.metric not in ("identity", "learn"):
         base = stored_metric(clip.source)
         if base is None and options.metric == "stored":
@@ -152,7 +169,10 @@ def _choose(
             names = short_names(clip.joints)
             lost = f"joint{'' if len(missing) == 1 else 's'} {', '.join(names[joint] for joint in missing)}"
             messages.warn(f"{clip.path}: the metric has no entry for {lost}; using the identity there.")
-    return ChosenMetric(apply_styles(clip, metric, options), origin, missing, learned)
+    if library is not None and clip.joints:
+        library.check(clip)
+        metric = metric.for_scheme(LEARNED)
+    return ChosenMetric(apply_styles(clip, metric, options), origin, missing, learned, library)
 
 
 def learn_from_clip(
@@ -191,8 +211,8 @@ def learn_from_clip(
     from usd_tools.learning.options import LearnOptions
     from usd_tools.learning.train import learn_and_assess
 
-    if scheme is not None and scheme not in WITH_METRIC:
-        raise ToolError(f"--metric learn needs --scheme {' or '.join(WITH_METRIC)}, not {scheme}.")
+    if scheme is not None and scheme not in LEARNABLE:
+        raise ToolError(f"--metric learn needs --scheme {' or '.join(LEARNABLE)}, not {scheme}.")
     options = LearnOptions(rate=LEARNING_RATE, purpose="predict", scheme=scheme or DEFAULT_SCHEME)
     try:
         found = learn_and_assess([training_clip(path, clip)], options, SearchProgress(progress, None).watch)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from geomstats_anim.names import INVARIANCES, SCHEME_NAMES
+from geomstats_anim.names import INVARIANCES, LEARNED, SCHEME_NAMES
 from usd_tools.console.arguments import SOURCE, TimeCodes, as_time_codes, positive_number, whole_number
 from usd_tools.console.errors import UsageError
 from usd_tools.console.options import OutputOptions, one_of, option, several
@@ -71,6 +71,8 @@ class CurveOptions(StyleOptions):
 
     Parameters
     ----------
+    library : Path
+        File that `learn` made of clips of this rig, for the scheme "learned", which it implies.
     cut : str, TimeCodes or sequence of float
         Time codes at which the pose is held until the next sample, instead of where it is found to jump.
     no_cuts : bool
@@ -83,6 +85,7 @@ class CurveOptions(StyleOptions):
         Warn of every step of more than 120 degrees, not only of the widest.
     """
 
+    library: Path | None = option(None, Path)
     cut: TimeCodes | None = option(None, as_time_codes)
     no_cuts: bool = option(False, bool)
     no_xforms: bool = option(False, bool)
@@ -91,6 +94,10 @@ class CurveOptions(StyleOptions):
 
     def check(self) -> None:
         """Refuse values that do not go together."""
+        if self.library is not None and self.scheme not in (None, LEARNED):
+            raise UsageError(f"--library is for --scheme {LEARNED}, not {self.scheme}")
+        if self.scheme == LEARNED and self.library is None:
+            raise UsageError(f"--scheme {LEARNED} needs --library FILE, which usd_tools.learn --library makes")
         if self.cut is not None and self.cut.text == SOURCE:
             raise UsageError("--cut must be numbers with commas between them, or a file of such")
         if self.cut is not None and self.no_cuts:

@@ -29,6 +29,9 @@ class UpsampledAnimation:
         Settings by hand that the metric has.
     learned : str
         What learning brought, a sentence; "" if nothing was learned.
+    library : dict or None
+        For the scheme "learned": file, sha256, and shares: a list of part, joint and share of the library's prediction
+        that is used, by part of the body.
     joints_without_metric : tuple of str
         Joints of which the metric has no entry, so that they have the identity.
     samples_before, samples_after : int
@@ -58,6 +61,7 @@ class UpsampledAnimation:
     metric_summary: str | None
     styles: tuple[str, ...]
     learned: str
+    library: dict[str, Any] | None
     joints_without_metric: tuple[str, ...]
     samples_before: int
     samples_after: int

@@ -26,7 +26,7 @@ from usd_tools.skel.resampling import Resampled, at_rate, resample, subdivided, 
 from usd_tools.skel.time_codes import clips_with_source_codes, codes_for
 from usd_tools.skel.writer import AnimationLayer
 from usd_tools.skel.xforms import cuts_of, find_xform_ops, resample_op, usd_values
-from usd_tools.upsampling.clips import animated_clips, check_schemes, check_size, with_cuts
+from usd_tools.upsampling.clips import animated_clips, check_schemes, check_size, read_library, with_cuts
 from usd_tools.upsampling.metric import ChosenMetric, choose_metrics
 from usd_tools.upsampling.options import CurveOptions, UpsampleOptions
 from usd_tools.upsampling.result import UpsampledAnimation, UpsampleResult
@@ -193,7 +193,7 @@ def _upsampled(
     if options.times is not None and options.times.text == SOURCE:
         clips = clips_with_source_codes(clips, messages)
     clips = with_cuts(clips, options)
-    metrics = choose_metrics(path, clips, options, messages, progress)
+    metrics = choose_metrics(path, clips, options, messages, progress, read_library(options))
     check_schemes(options, clips, metrics)
     targets = [_target_codes(options, clip, messages) for clip in clips]
     results = interpolated(clips, targets, metrics, progress)
@@ -216,7 +216,7 @@ def interpolated(
         def advance(share: float, amount: int = amount) -> None:
             bar.advance(share * amount)
 
-        results.append(resample(clip, codes, chosen.metric.scheme, chosen.metric, advance))
+        results.append(resample(clip, codes, chosen.metric.scheme, chosen.metric, chosen.library, advance))
     return results
 
 
@@ -261,7 +261,7 @@ def _target_codes(options: UpsampleOptions, clip: SkelClip, messages: Messages) 
 
 def _write(layer: AnimationLayer, clips: Sequence[UpsampledClip], messages: Messages) -> None:
     for each in clips:
-        metric = each.chosen.metric if each.clip.joints else None
+        metric = each.metric if each.clip.joints else None
         kept = bool(np.isin(each.clip.codes, each.codes).all())
         layer.write_animation(
             each.clip.source, each.result.channels, each.clip.missing, metric, messages, keeps_samples=kept

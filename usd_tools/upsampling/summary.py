@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
+from geomstats_anim import LearnedMetric
 from geomstats_anim.interpolation.curves import Fallback
 from usd_tools.console.text import counted, say, short_names
+from usd_tools.libraries.help import help_sentence, shares
 from usd_tools.metrics.attributes import summary
 from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip
@@ -39,6 +42,19 @@ class UpsampledClip:
         """Turns from each sample of the source to the next; see `rotation_steps`."""
         return rotation_steps(self.clip)
 
+    @property
+    def library(self) -> dict[str, Any] | None:
+        """The library that was used: file, sha256, and its share by part of the body; None for other schemes."""
+        file = self.chosen.library_file
+        return None if file is None else {"file": file.name, "sha256": file.sha256, "shares": shares(self.result.helps)}
+
+    @property
+    def metric(self) -> LearnedMetric:
+        """The metric as it is stored, with the library that was used."""
+        metric, used = self.chosen.metric, self.library
+        rest = {name: value for name, value in metric.provenance.items() if name != "library"}
+        return replace(metric, provenance=rest if used is None else {**rest, "library": used})
+
 
 def warnings_of(upsampled: UpsampledClip, verbose: bool, stretch: float = 1.0) -> list[str]:
     """Return what went wrong, or may have; time codes are multiplied by `stretch`, as in `describe`."""
@@ -65,6 +81,8 @@ def print_summary(result: UpsampleResult, verbose: bool) -> None:
 def _print_animation(animation: UpsampledAnimation, verbose: bool) -> None:
     if animation.learned:
         say(animation.learned)
+    if animation.library is not None:
+        say(f"{animation.prim}: {help_sentence(animation.library)}")
     how = _how(animation) if animation.joints else "blend shapes, linear"
     transforms = f", {counted(len(animation.xforms), 'transform')}" if animation.xforms else ""
     say(f"{animation.prim}: {_growth(animation)}, {counted(animation.joints, 'joint')}{transforms}; {how}")
@@ -173,6 +191,7 @@ def describe(upsampled: UpsampledClip, stretch: float = 1.0) -> UpsampledAnimati
         metric_summary=summary(chosen.metric) if chosen.is_used else None,
         styles=tuple(styles) if chosen.is_used and isinstance(styles, list) else (),
         learned=chosen.learned,
+        library=upsampled.library,
         joints_without_metric=chosen.missing,
         samples_before=len(clip.codes),
         samples_after=len(upsampled.codes),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from geomstats_anim.names import INVARIANCES, MAX_TENSION, SCHEME_NAMES
+from geomstats_anim.names import INVARIANCES, MAX_TENSION, OWN_SCHEMES
 from usd_tools.editing.saving import CONTENTS
 from usd_tools.viewer.joints import EVERY
 from usd_tools.viewer.scene import COLORS
@@ -150,7 +150,7 @@ class Controls:
 
     def _add_in_betweens(self, presets: Sequence[str]) -> None:
         gui, listener = self._gui, self._listener
-        self.scheme = gui.add_dropdown("scheme", SCHEME_NAMES)
+        self.scheme = gui.add_dropdown("scheme", OWN_SCHEMES)
         self.on_change(self.scheme, listener.use_scheme)
         self.preset = gui.add_dropdown("preset", tuple(presets))
         gui.add_button("Use preset").on_click(lambda _: listener.use_preset(self.preset.value))

@@ -12,7 +12,7 @@ from geomstats_anim.learning.descent import Tally
 from geomstats_anim.learning.families import Families
 from geomstats_anim.learning.gradient import search_gradient
 from geomstats_anim.learning.objective import Objective
-from geomstats_anim.names import FAMILIES, INVARIANCE_CHOICES, WITH_METRIC
+from geomstats_anim.names import FAMILIES, INVARIANCE_CHOICES, LEARNABLE
 from geomstats_anim.parameters import CurveParameters
 
 KEYS = uniform_keyframes(41, 0.15)
@@ -24,16 +24,16 @@ def check_order(score):
     """Check every pair of families of which one contains the other; the keys are scheme, family and invariance."""
     for family, invariance in product(FAMILIES, INVARIANCE_CHOICES):
         assert score["geodesic-spline", family, invariance] <= EXACT * score["geodesic", family, invariance]
-    for scheme, invariance in product(WITH_METRIC, INVARIANCE_CHOICES):
+    for scheme, invariance in product(LEARNABLE, INVARIANCE_CHOICES):
         assert score[scheme, "spd", invariance] <= EXACT * score[scheme, "diagonal", invariance]
-    for scheme, family, (larger, smaller) in product(WITH_METRIC, FAMILIES, LARGER_SIDES):
+    for scheme, family, (larger, smaller) in product(LEARNABLE, FAMILIES, LARGER_SIDES):
         assert score[scheme, family, larger] <= EXACT * score[scheme, family, smaller]
 
 
 def scores(animation, keys, **words):
     """Score every family by itself."""
     found = {}
-    for key in product(WITH_METRIC, FAMILIES, INVARIANCE_CHOICES):
+    for key in product(LEARNABLE, FAMILIES, INVARIANCE_CHOICES):
         scheme, family, invariance = key
         metric = learn_metric(animation, keys, scheme=scheme, family=family, invariance=invariance, **words)
         found[key] = metric.provenance["score"]
@@ -62,11 +62,11 @@ def test_diagonal_families(kind):
     animation = wandering(3)
     found = {
         (scheme, side): learn_metric(animation, KEYS, scheme=scheme, invariance=side, kind=kind).provenance["score"]
-        for scheme, side in product(WITH_METRIC, INVARIANCE_CHOICES)
+        for scheme, side in product(LEARNABLE, INVARIANCE_CHOICES)
     }
     for side in INVARIANCE_CHOICES:
         assert found["geodesic-spline", side] <= EXACT * found["geodesic", side]
-    for scheme, (larger, smaller) in product(WITH_METRIC, LARGER_SIDES):
+    for scheme, (larger, smaller) in product(LEARNABLE, LARGER_SIDES):
         assert found[scheme, larger] <= EXACT * found[scheme, smaller]
 
 

@@ -11,7 +11,7 @@ from rigs import ANIMATION, bits, make_rig, random_rotations, read
 
 from geomstats_anim import LearnedMetric, interpolate
 from geomstats_anim.kinematics import world_pose
-from geomstats_anim.names import SCHEME_NAMES, WITH_METRIC
+from geomstats_anim.names import OWN_SCHEMES, WITH_METRIC
 from usd_tools.console.errors import ToolError
 from usd_tools.editing import EditSession
 from usd_tools.editing.edits import (
@@ -107,7 +107,7 @@ def test_after_each_edit_the_curve_is_that_of_interpolate(session, name):
     np.testing.assert_allclose(session.motion("slerp").rotations, slerped.rotations, atol=1e-12, rtol=0.0)
 
 
-@pytest.mark.parametrize("scheme", SCHEME_NAMES)
+@pytest.mark.parametrize("scheme", OWN_SCHEMES)
 def test_poses_at_any_time_are_those_of_the_curve(session, scheme):
     session.apply(EveryNth(9), UseScheme(scheme))
     times = np.linspace(session.times[0], session.times[-1], 23)

@@ -1,0 +1,1 @@
+"""Residuals off the geodesic-spline, learned from a library of clips of one rig."""

@@ -1,0 +1,153 @@
+"""A library: the models of all lengths of segments of one rig, and what they do for a clip."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from geomstats_anim import rotations as quat
+from geomstats_anim.animation import Animation, Skeleton
+from geomstats_anim.interpolation.learned_scheme import Help, PartHelp
+from geomstats_anim.interpolation.residuals import Residual
+from geomstats_anim.interpolation.splines import PoseSpline
+from geomstats_anim.interpolation.tangents import STILL
+from geomstats_anim.learning.library.context import Contexts, contexts_of
+from geomstats_anim.learning.library.gap_model import GapModel
+from geomstats_anim.learning.library.one_thread import one_thread
+from geomstats_anim.learning.library.parts import BodyParts, body_parts
+from geomstats_anim.learning.library.samples import GAP_RATE
+from geomstats_anim.learning.library.self_check import best_shares
+from geomstats_anim.parameters import CurveParameters
+from geomstats_anim.rotations import Array
+
+MIN_KEYS = 5
+"""With fewer, there is no telling whether a prediction helps."""
+
+_SAME_DIRECTION, _SHORT = 0.9, 1e-3
+"""Cosine between bones of one rig, and metres that are too short to have a direction."""
+
+_NEAR = 1.5
+"""A model is used for segments up to this ratio longer or shorter than its own."""
+
+
+@dataclass(frozen=True, eq=False)
+class MotionLibrary:
+    """Models of one rig.
+
+    Parameters
+    ----------
+    skeleton : Skeleton
+    vertical : array-like, shape=[3]
+        Unit vector upwards in the space of the skeleton.
+    models : tuple of GapModel
+        By increasing gap.
+    provenance : mapping
+        Plain values: what it was learned from.
+        Optional, default: empty.
+    """
+
+    skeleton: Skeleton
+    vertical: Array
+    models: tuple[GapModel, ...]
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def parts(self) -> BodyParts:
+        """Return the parts of the body of the rig."""
+        return body_parts(self.skeleton)
+
+    def help(self, keys: Animation, curve: CurveParameters) -> Help:
+        """Predict residuals of the spline through keys, as far as they help this clip.
+
+        Parameters
+        ----------
+        keys : Animation
+        curve : CurveParameters
+            Of the spline.
+
+        Returns
+        -------
+        help : Help
+            The spline, if there are fewer than 5 keys, or the library is empty or of another rig.
+        """
+        if not self.models or self.rig_difference(keys.skeleton):
+            return Help(None)
+        place = {joint: i for i, joint in enumerate(keys.skeleton.joints)}
+        order = np.array([place[joint] for joint in self.skeleton.joints], dtype=np.intp)
+        with one_thread():
+            shares, residual = self._checked(keys.times, keys.rotations[:, order], curve.at(order))
+        return Help(None if residual is None else residual.at_joints(np.argsort(order)), self._described(shares))
+
+    def _checked(self, times: Array, rotations: Array, curve: CurveParameters) -> tuple[Array, Residual | None]:
+        """Return the shares of the parts, and the shared residual of the joints, in the order of the library."""
+        shares = np.zeros(len(self.parts.joints))
+        if len(times) >= MIN_KEYS:
+            shares = self._self_check(times, rotations, curve)
+        if not shares.any():
+            return shares, None
+        return shares, self._residual(times, rotations).shared(shares[self.parts.of_joint])
+
+    def rig_difference(self, skeleton: Skeleton) -> str:
+        """Return how another rig differs, in words; "" if it is this one."""
+        own, others = set(self.skeleton.joints), set(skeleton.joints)
+        if own != others:
+            return f"{len(own & others)} of its {len(own)} joints are among the {len(others)} of the clip"
+        place = {joint: i for i, joint in enumerate(skeleton.joints)}
+        order = np.array([place[joint] for joint in self.skeleton.joints], dtype=np.intp)
+        parents = [skeleton.joints[p] if p >= 0 else "" for p in skeleton.parents[order]]
+        for i, (joint, parent) in enumerate(zip(self.skeleton.joints, parents, strict=True)):
+            if parent != (self.skeleton.joints[p] if (p := self.skeleton.parents[i]) >= 0 else ""):
+                return f"joint {joint} has another parent"
+        bones = np.setdiff1d(np.arange(len(order)), self.parts.trunk)
+        mine, theirs = self.skeleton.rest_translations[bones], skeleton.rest_translations[order][bones]
+        lengths = np.linalg.norm(mine, axis=-1) * np.linalg.norm(theirs, axis=-1)
+        turned = bones[((mine * theirs).sum(axis=-1) < _SAME_DIRECTION * lengths) & (lengths > _SHORT**2)]
+        return f"the bone to joint {self.skeleton.joints[turned[0]]} points elsewhere" if len(turned) else ""
+
+    def _described(self, shares: Array) -> tuple[PartHelp, ...]:
+        parts, joints = self.parts, self.skeleton.joints
+        return tuple(
+            PartHelp(kind, joints[of_part[0]] if len(of_part) else "", float(share))
+            for kind, of_part, share in zip(parts.kinds, parts.joints, shares, strict=True)
+        )
+
+    def _residual(self, times: Array, rotations: Array) -> Residual:
+        return self._join(times, rotations, self._sines(times, self._contexts(times, rotations)))
+
+    def _contexts(self, times: Array, rotations: Array) -> Contexts:
+        return contexts_of(times, rotations, self.parts.trunk, self.vertical)
+
+    def _join(self, times: Array, rotations: Array, sines: Array) -> Residual:
+        holds = quat.distance(rotations[:-1], rotations[1:]) <= STILL
+        return Residual.through_keys(sines, np.diff(times), holds)
+
+    def _sines(self, times: Array, contexts: Contexts) -> Array:
+        """Predict all segments, each by the model of the nearest gap; 0 where none is near."""
+        gaps = GAP_RATE * np.diff(times)
+        own = np.array([model.gap for model in self.models])
+        ratio = np.abs(np.log(gaps[:, None] / own))
+        nearest = np.where(ratio.min(axis=1) <= np.log(_NEAR), ratio.argmin(axis=1), -1)
+        most = max((self.models[i].n_sines for i in np.unique(nearest) if i >= 0), default=1)
+        sines = np.zeros((len(gaps), most, self.skeleton.n_joints, 3))
+        for i in np.unique(nearest[nearest >= 0]):
+            model, segments = self.models[i], np.flatnonzero(nearest == i)
+            sines[segments, : model.n_sines] = model.predict(contexts.at(segments), self.parts)
+        return sines
+
+    def _self_check(self, times: Array, rotations: Array, curve: CurveParameters) -> Array:
+        """Predict every second key from the others, twice, and choose the shares that help most."""
+        splines, residuals, truth = [], [], []
+        for first in (0, 1):
+            kept = slice(first, len(times) - (len(times) - first + 1) % 2, 2)
+            hidden = slice(first + 1, kept.stop - 1, 2)
+            ends, keys = times[kept], rotations[kept]
+            segment, fraction = np.arange(len(ends) - 1), (times[hidden] - ends[:-1]) / np.diff(ends)
+            splines.append(PoseSpline(ends, keys, curve.metric, curve.tension)(segment, fraction))
+            residuals.append(self._residual(ends, keys)(segment, fraction))
+            truth.append(rotations[hidden])
+        found = (np.concatenate(each) for each in (splines, residuals, truth))
+        return best_shares(self.parts, *found)

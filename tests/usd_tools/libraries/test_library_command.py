@@ -1,0 +1,159 @@
+"""`learn --library` and `upsample --library`, as their users run them."""
+
+import hashlib
+import json
+
+import numpy as np
+import pytest
+from gaits import gait
+from pxr import Gf, Usd, UsdGeom, UsdSkel, Vt
+
+from geomstats_anim.learning.library.storage import load_library
+from usd_tools import learn, upsample
+from usd_tools.metrics.attributes import read_metric
+
+LEARN = ["--purpose", "predict", "--library"]
+
+
+def write(path, clip, up=UsdGeom.Tokens.y, step=1):
+    """Write a gait as a UsdSkel file, of which some samples are kept."""
+    stage, skeleton = Usd.Stage.CreateNew(str(path)), clip.skeleton
+    UsdGeom.SetStageUpAxis(stage, up)
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    stage.SetTimeCodesPerSecond(30)
+    UsdSkel.Root.Define(stage, "/Rig")
+    rig, motion = UsdSkel.Skeleton.Define(stage, "/Rig/Skel"), UsdSkel.Animation.Define(stage, "/Rig/Anim")
+    rest = Vt.Matrix4dArray([Gf.Matrix4d().SetTranslate(Gf.Vec3d(*bone)) for bone in skeleton.rest_translations])
+    rig.CreateJointsAttr(skeleton.joints)
+    rig.CreateRestTransformsAttr(rest)
+    rig.CreateBindTransformsAttr(rest)
+    motion.CreateJointsAttr(skeleton.joints)
+    motion.CreateScalesAttr(Vt.Vec3hArray([Gf.Vec3h(1, 1, 1)] * clip.n_joints))
+    for code in range(0, clip.n_frames, step):
+        motion.CreateRotationsAttr().Set(Vt.QuatfArray.FromNumpy(clip.rotations[code].astype(np.float32)), code)
+        motion.CreateTranslationsAttr().Set(Vt.Vec3fArray.FromNumpy(clip.translations[code].astype(np.float32)), code)
+    UsdSkel.BindingAPI.Apply(rig.GetPrim()).CreateAnimationSourceRel().SetTargets(["/Rig/Anim"])
+    stage.Save()
+    return path
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Hold a library of four gaits, and the keys of another."""
+    folder = tmp_path_factory.mktemp("library")
+    clips = [str(write(folder / f"walk_{seed}.usdc", gait(seed, 60))) for seed in range(1, 5)]
+    assert learn.main([*clips, *LEARN, "-o", str(folder / "rig.inbetween")]) == 0
+    write(folder / "keys.usdc", gait(100, 81), step=8)
+    return folder
+
+
+def test_the_layer_names_the_file_and_the_shares(folder, tmp_path, capsys):
+    out, report = tmp_path / "dense.usda", tmp_path / "report.json"
+    library = ["--library", str(folder / "rig.inbetween")]
+    assert (
+        upsample.main([str(folder / "keys.usdc"), "-o", str(out), "--factor", "8", *library, "--report", str(report)])
+        == 0
+    )
+    printed = capsys.readouterr().out
+    assert "the library rig.inbetween helps, for motions like those in it: torso" in printed
+    (animation,) = json.loads(report.read_text())["animations"]
+    used = animation["library"]
+    assert animation["scheme"] == "learned"
+    assert used["sha256"] == hashlib.sha256((folder / "rig.inbetween").read_bytes()).hexdigest()
+    assert {(each["part"], each["joint"]) for each in used["shares"]} == {
+        ("torso", "hips"), ("arm", "arm_L"), ("arm", "arm_R"), ("leg", "thigh_L"), ("leg", "thigh_R")
+    }  # fmt: skip
+    assert max(each["share"] for each in used["shares"]) > 0.5
+    stage = Usd.Stage.Open(str(out))
+    metric = read_metric(stage.GetPrimAtPath("/Rig/Anim"))
+    assert metric.scheme == "learned"
+    assert dict(metric.provenance["library"]) == used
+
+
+def test_it_is_nearer_to_the_clip_than_the_spline_and_keeps_its_keys(folder, tmp_path):
+    errors = {}
+    for name, options in (("spline", []), ("learned", ["--library", str(folder / "rig.inbetween")])):
+        out = tmp_path / f"{name}.usda"
+        assert upsample.main([str(folder / "keys.usdc"), "-o", str(out), "--factor", "8", *options]) == 0
+        stages = [Usd.Stage.Open(str(path)) for path in (out, folder / "keys.usdc")]
+        motion, source = (UsdSkel.Animation(each.GetPrimAtPath("/Rig/Anim")).GetRotationsAttr() for each in stages)
+        assert all(motion.Get(code) == source.Get(code) for code in range(0, 81, 8))
+        got = np.array([motion.Get(code) for code in range(81)], dtype=np.float64)
+        dots = np.clip(abs((got * gait(100, 81).rotations).sum(axis=-1)), 0.0, 1.0)
+        errors[name] = np.arccos(dots).mean()
+    assert errors["learned"] < 0.75 * errors["spline"]
+
+
+def test_a_layer_made_with_a_library_needs_it_again(folder, tmp_path, capsys):
+    first, second = tmp_path / "first.usda", tmp_path / "second.usda"
+    library = ["--library", str(folder / "rig.inbetween")]
+    assert upsample.main([str(folder / "keys.usdc"), "-o", str(first), "--factor", "2", *library]) == 0
+    assert upsample.main([str(first), "-o", str(second), "--factor", "2"]) == 1
+    assert "needs the library rig.inbetween; give it as --library" in capsys.readouterr().err
+    assert upsample.main([str(first), "-o", str(second), "--factor", "2", "--scheme", "geodesic-spline"]) == 0
+    stage = Usd.Stage.Open(str(second))
+    metric = read_metric(stage.GetPrimAtPath("/Rig/Anim"))
+    assert metric.scheme == "geodesic-spline" and "library" not in metric.provenance
+    assert (metric.tension == 1.0).all()
+
+
+def test_what_was_learned_from_is_named(folder):
+    library = load_library((folder / "rig.inbetween").read_bytes())
+    assert list(library.provenance["files"]) == [f"walk_{seed}.usdc" for seed in range(1, 5)]
+    sums = [hashlib.sha256((folder / f"walk_{seed}.usdc").read_bytes()).hexdigest() for seed in range(1, 5)]
+    assert list(library.provenance["sha256"]) == sums
+
+
+def test_too_few_keys_are_splined_in_words(folder, tmp_path, capsys):
+    write(tmp_path / "few.usdc", gait(100, 25), step=8)
+    out = [str(tmp_path / "few.usdc"), "-o", str(tmp_path / "out.usda"), "--factor", "8"]
+    assert upsample.main([*out, "--library", str(folder / "rig.inbetween")]) == 0
+    assert "the library rig.inbetween does not help this clip; the spline is used." in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "words"),
+    [
+        (["--scheme", "learned"], 2, "--scheme learned needs --library FILE"),
+        (["--scheme", "slerp", "--library", "RIG"], 2, "--library is for --scheme learned, not slerp"),
+        (["--library", "nowhere.inbetween"], 1, "there is no such file; make one with usd_tools.learn"),
+        (["--library", "KEYS"], 1, "no library of in-betweens"),
+    ],
+)
+def test_what_is_wrong_is_said_in_a_sentence(folder, tmp_path, capsys, options, code, words):
+    files = {"RIG": str(folder / "rig.inbetween"), "KEYS": str(folder / "keys.usdc")}
+    out = tmp_path / "out.usda"
+    arguments = [str(folder / "keys.usdc"), "-o", str(out), "--factor", "2", *(files.get(o, o) for o in options)]
+    try:
+        assert upsample.main(arguments) == code
+    except SystemExit as error:
+        assert error.code == code
+    assert words in " ".join(capsys.readouterr().err.split())
+    assert not out.exists()
+
+
+def test_another_rig_and_another_axis_are_refused(folder, tmp_path, capsys):
+    write(tmp_path / "z.usdc", gait(100, 81), up=UsdGeom.Tokens.z, step=8)
+    library = ["--library", str(folder / "rig.inbetween")]
+    assert upsample.main([str(tmp_path / "z.usdc"), "-o", str(tmp_path / "o.usda"), "--factor", "2", *library]) == 1
+    assert "another axis is up" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "words"),
+    [
+        (["--library", "-o", "x.inbetween"], 2, "--library needs --purpose predict"),
+        ([*LEARN, "-o", "x.usda"], 2, "--library needs an --out that ends in .inbetween"),
+        ([*LEARN, "-o", "x.inbetween", "--kind", "rot"], 2, "--kind is for a metric"),
+    ],
+)
+def test_options_of_learn_that_do_not_go_together_are_refused(
+    folder, tmp_path, capsys, options, code, words, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    try:
+        assert learn.main([str(folder / "walk_1.usdc"), *options]) == code
+    except SystemExit as error:
+        assert error.code == code
+    assert words in " ".join(capsys.readouterr().err.split())
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,1 @@
+"""Libraries of in-betweens: learned from clips, and used for others."""
