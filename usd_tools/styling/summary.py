@@ -11,7 +11,7 @@ from usd_tools.console.text import counted, say, short_names
 from usd_tools.metrics.attributes import summary
 from usd_tools.styling.result import MetricResult
 
-_HEADER = ("joint", "alpha", "beta", "axes, degrees", "side", "tension", "of moves")
+HEADER = ("joint", "alpha", "beta", "axes, degrees", "side", "tension", "of translations")
 
 
 def print_metrics(result: MetricResult) -> None:
@@ -20,8 +20,8 @@ def print_metrics(result: MetricResult) -> None:
         if animation.metric is None:
             say(f"{animation.prim}: {'the metric cannot be read.' if animation.problems else 'no metric is stored.'}")
         else:
-            rows = _rows(animation.metric)
-            show(f"{animation.prim}: {summary(animation.metric)}", rows, _HEADER)
+            rows = joint_rows(animation.metric)
+            show(f"{animation.prim}: {summary(animation.metric)}", rows, HEADER)
             if len(rows) < len(animation.metric.joints):
                 others = counted(len(animation.metric.joints) - len(rows), "other joint" if rows else "joint")
                 say(f"{others} as {animation.metric.scheme} has them without a metric.")
@@ -37,7 +37,7 @@ def print_written(result: MetricResult) -> None:
     say(f"Wrote {result.path}.")
 
 
-def _rows(metric: LearnedMetric) -> list[tuple[str, ...]]:
+def joint_rows(metric: LearnedMetric) -> list[tuple[str, ...]]:
     """Return a row for each joint that has something of its own."""
     names, usual = short_names(metric.joints), CurveParameters.plain(metric.scheme, 1)
     tension, translation_tension = float(usual.tension[0]), float(usual.translation_tension[0])
