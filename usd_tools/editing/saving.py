@@ -6,6 +6,7 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -108,15 +109,16 @@ def _commands(
 ) -> tuple[str, ...]:
     """Say which command lines would have made a file: the keys first, then the metric and the samples."""
     prim = ["--prim", motion.clip.path] if len(find_animations(motion.clip.source.stage)) > 1 else []
-    commands, source, times = [], str(motion.path), _numbers(motion.samples[:1])
+    commands, source = [], str(motion.path)
     if content != "metric" and not state.is_key.all():
         keys = _numbers(motion.samples[state.is_key])
         commands.append(["downsample", source, "-o", "KEYS.usdc", f"--keep-only={keys}", *prim])
         source = "KEYS.usdc"
+    words = ["metric", "set", source]
     if content == "dense":
         times = "source" if commands else _numbers(motion.codes)
-    words = [f"--times={times}", "--no-xforms", *_metric_words(metric), *prim]
-    commands.append(["upsample", source, "-o", str(out), *words])
+        words = ["upsample", source, f"--times={times}", "--no-xforms"]
+    commands.append([*words, "-o", str(out), *_metric_words(metric), *prim])
     return tuple(f"python -m usd_tools.{shlex.join(words)}" for words in commands)
 
 
@@ -125,7 +127,7 @@ def _numbers(codes: np.ndarray) -> str:
 
 
 def _metric_words(metric: LearnedMetric) -> list[str]:
-    """Spell a metric as options of `upsample`."""
+    """Spell a metric as options of `upsample` and `metric set`."""
     words = ["--scheme", metric.scheme]
     if metric.scheme not in WITH_METRIC:
         return words
@@ -140,16 +142,17 @@ def styles_of(metric: LearnedMetric) -> Sequence[Style]:
     usual = CurveParameters.plain(metric.scheme, 1)
     parameters, found = metric.parameters, []
     for i, joint in enumerate(metric.joints):
-        settings = {
+        settings: dict[str, tuple[Any, Any]] = {
             "alpha": (float(parameters.alpha[i]), 1.0),
             "beta": (float(parameters.beta[i]), 1.0),
             "invariance": (parameters.invariance[i], "left"),
-            "tension": (float(metric.tension[i]), float(usual.tension[0])),
-            "translation_tension": (float(metric.translation_tension[i]), float(usual.translation_tension[0])),
         }
-        changed = {name: value for name, (value, default) in settings.items() if value != default}
+        if metric.scheme == "geodesic-spline":  # no other has a tension
+            settings["tension"] = float(metric.tension[i]), float(usual.tension[0])
+            settings["translation_tension"] = float(metric.translation_tension[i]), float(usual.translation_tension[0])
+        changed: dict[str, Any] = {name: value for name, (value, default) in settings.items() if value != default}
         if parameters.axes is not None and parameters.axes[i].any():
             changed["axes"] = tuple(np.degrees(parameters.axes[i]).tolist())
         if changed:
-            found.append(Style(exactly(joint), **changed))  # type: ignore[arg-type]
+            found.append(Style(exactly(joint), **changed))
     return found

@@ -270,6 +270,19 @@ def test_saved_keys_rebuild_what_was_shown(session, tmp_path, run):
     np.testing.assert_allclose(np.abs((np.array(values) * shown).sum(axis=-1)), 1.0, atol=1e-6)
 
 
+@pytest.mark.parametrize("scheme", OWN_SCHEMES)
+def test_the_command_of_a_stored_metric_names_any_scheme(session, tmp_path, run, monkeypatch, scheme):
+    monkeypatch.chdir(tmp_path)
+    session.apply(Style("hips", alpha=2.0, tension=0.25), UseScheme(scheme))
+    (command,) = session.save("out.usda").commands
+    assert run("metric", *shlex.split(command)[3:])[0] == 0
+    written = EditSession.open("out.usda").metric
+    assert written.scheme == scheme
+    if scheme in WITH_METRIC:
+        np.testing.assert_array_equal(written.parameters.alpha, session.metric.parameters.alpha)
+        np.testing.assert_array_equal(written.tension, session.metric.tension)
+
+
 @pytest.mark.parametrize("content", CONTENTS)
 @pytest.mark.parametrize("keys", [1, 6])
 def test_the_commands_that_a_save_names_make_the_same(session, tmp_path, run, monkeypatch, content, keys):
