@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,7 @@ from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip, read_clip
 from usd_tools.skel.find import AnimationSource, find_animations
 from usd_tools.skel.joint_names import names_note, read_names
+from usd_tools.skel.loops import find_loop
 from usd_tools.skel.packed import packed_bytes
 from usd_tools.skel.rotation_checks import (
     count_not_unit,
@@ -168,6 +169,7 @@ def _describe_animation(source: AnimationSource, messages: Messages) -> dict[str
         "largest_step": None if largest is None else asdict(largest),
         "largest_step_joint": None if largest is None else names[largest.joint],
         "wide_steps": [asdict(step) for step in wide],
+        "loop": _describe_loop(clip, names),
         "sign_flips": 0 if rotations is None else count_sign_flips(rotations),
         "not_unit_quaternions": 0 if rotations is None else count_not_unit(rotations),
         "metric": _describe_metric(source, messages),
@@ -200,6 +202,14 @@ def _describe_times(clip: SkelClip) -> dict[str, Any]:
         "samples_per_second": clip.samples_per_second(),
         "evenly_spaced": bool(np.allclose(gaps, gaps[0], rtol=1e-4)),
     }
+
+
+def _describe_loop(clip: SkelClip, names: Mapping[str, str]) -> dict[str, Any] | None:
+    """Describe what is nearly a loop; None for what is none."""
+    loop = find_loop(clip)
+    if loop is None or not loop.is_near:
+        return None
+    return {"closed": loop.closed, "misses_degrees": loop.degrees, "joint": loop.joint, "joint_name": names[loop.joint]}
 
 
 def _count_source_samples(source: AnimationSource, messages: Messages) -> int | None:

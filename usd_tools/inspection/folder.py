@@ -41,6 +41,8 @@ class Row:
     joints, samples : int or None
     rate, seconds : float or None
         Samples per second, and from the first to the last.
+    loop : float or None
+        Degrees by which it misses being a loop; None for what is none.
     metric : str or None
         Scheme of the stored metric.
     error : str or None
@@ -54,11 +56,12 @@ class Row:
     samples: int | None = None
     rate: float | None = None
     seconds: float | None = None
+    loop: float | None = None
     metric: str | None = None
     error: str | None = None
 
 
-HEADER = ("file", "rig", "joints", "samples", "rate", "seconds", "metric")
+HEADER = ("file", "rig", "joints", "samples", "rate", "seconds", "loop", "metric")
 """Columns of the table; the CSV has all fields of `Row`."""
 
 
@@ -148,6 +151,7 @@ def _row(file: str, animation: dict[str, Any], rigs: dict[str, int]) -> Row:
         animation["samples"] or 0,
         animation["samples_per_second"],
         end - start,
+        None if animation["loop"] is None else animation["loop"]["misses_degrees"],
         None if metric is None else metric.get("scheme"),
         None if metric is None else metric["error"],
     )
@@ -164,5 +168,6 @@ def _cells(row: Row) -> list[str]:
         str(row.samples),
         rate,
         f"{row.seconds:.4g}",
+        "" if row.loop is None else f"{row.loop:.2g} deg",
         row.error or row.metric or "",
     ]

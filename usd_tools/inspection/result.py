@@ -29,12 +29,12 @@ class InspectResult:
         rest).
     animations : tuple of dict
         prim, instances, skeletons, error (then nothing more), joints, rig (8 digits, the same for the same joints),
-        still_joints, blend_shapes, meters_per_unit (in
-        the world), channels (a name each: samples, value_blocks, held_gaps, from), samples, codes and seconds (first
-        and last), samples_per_second, evenly_spaced, samples_of_source (of a sparse animation), packed_bytes (of a
-        packed one), stepped_pairs, largest_step and wide_steps (joint, start, end, degrees), largest_step_joint (its
-        short name), sign_flips, not_unit_quaternions, metric (error, summary, scheme, joints, quality, provenance,
-        by_joint).
+        still_joints, blend_shapes, meters_per_unit (in the world), channels (a name each: samples, value_blocks,
+        held_gaps, from), samples, codes and seconds (first and last), samples_per_second, evenly_spaced,
+        samples_of_source (of a sparse animation), packed_bytes (of a packed one), stepped_pairs, largest_step and
+        wide_steps (joint, start, end, degrees), largest_step_joint (its short name), loop (None, or of what is nearly
+        one: closed, misses_degrees, joint, joint_name), sign_flips, not_unit_quaternions, metric (error, summary,
+        scheme, joints, quality, provenance, by_joint).
     warnings : tuple of str
     """
 

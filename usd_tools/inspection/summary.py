@@ -111,6 +111,10 @@ def _animation_rows(animation: dict[str, Any]) -> list[tuple[str, str]]:
         rows.append((f"steps over {WIDE_DEGREES:g} degrees", str(len(animation["wide_steps"]))))
         rows.append(("sign flips", str(animation["sign_flips"])))
         rows.append(("quaternions not of length 1", str(animation["not_unit_quaternions"])))
+    loop = animation["loop"]
+    if loop is not None:
+        how = "the last pose is the first" if loop["closed"] else "the first pose comes one sample later"
+        rows.append(("loop", f"{how}; joint {loop['joint_name']} misses by {loop['misses_degrees']:.2g} degrees"))
     metric = animation["metric"]
     rows.append(("stored metric", "none" if metric is None else metric["error"] or metric["summary"]))
     return rows

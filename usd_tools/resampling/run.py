@@ -21,8 +21,10 @@ from usd_tools.skel.find import find_animations, select_animations
 from usd_tools.skel.resampling import with_codes
 from usd_tools.skel.xforms import XformOp, cuts_of, find_xform_ops, resample_op
 from usd_tools.upsampling.clips import animated_clips, check_schemes, check_size, read_library, with_cuts
+from usd_tools.upsampling.cycles import Cycles
+from usd_tools.upsampling.interpolation import interpolated
 from usd_tools.upsampling.metric import ChosenMetric, choose_metrics
-from usd_tools.upsampling.run import Work, interpolated, work_on_file, work_on_stage
+from usd_tools.upsampling.run import Work, work_on_file, work_on_stage
 from usd_tools.upsampling.summary import UpsampledClip
 
 
@@ -70,14 +72,23 @@ def _resampled(
     clips = with_cuts(clips, options)
     metrics = choose_metrics(path, clips, options, messages, progress, read_library(options))
     check_schemes(options, clips, metrics)
-    frames = [_frames(clip, options, messages) for clip in clips]
-    smooth = [filtered_clip(clip, _fps(options)) if options.antialias else clip for clip in clips]
-    targets = [with_codes(clip, codes, nearest_share(codes)) for clip, codes in zip(clips, frames, strict=True)]
+    cycles = Cycles(clips, messages) if options.loop else None
+    sources = clips if cycles is None else cycles.closed
+    frames = [_frames(clip, options, messages) for clip in sources]
+    targets = [with_codes(clip, codes, nearest_share(codes)) for clip, codes in zip(sources, frames, strict=True)]
+
+    def smooth(clip: SkelClip) -> SkelClip:
+        return filtered_clip(clip, _fps(options)) if options.antialias else clip
+
+    if cycles is None:
+        results = interpolated([smooth(clip) for clip in clips], targets, metrics, progress)
+    else:
+        results = cycles.interpolated(targets, metrics, progress, smooth)
+        frames = [cycles.before_end(k, codes) for k, codes in enumerate(frames)]
     found = []
-    for parts in zip(clips, frames, metrics, interpolated(smooth, targets, metrics, progress), strict=True):
-        clip, codes, chosen, dense = parts
+    for k, (clip, codes, chosen, dense) in enumerate(zip(clips, frames, metrics, results, strict=True)):
         channels = {name: at_frames(channel, codes) for name, channel in dense.channels.items()}
-        xforms = () if options.no_xforms else _xforms(clip, chosen, options, messages)
+        xforms = () if options.no_xforms else _xforms(k, clip, cycles, chosen, options, messages)
         found.append(UpsampledClip(clip, codes, chosen, replace(dense, channels=channels), xforms))
     return found
 
@@ -104,7 +115,7 @@ def _frames(clip: SkelClip, options: ResampleOptions, messages: Messages) -> np.
 
 
 def _xforms(
-    clip: SkelClip, chosen: ChosenMetric, options: ResampleOptions, messages: Messages
+    k: int, clip: SkelClip, cycles: Cycles | None, chosen: ChosenMetric, options: ResampleOptions, messages: Messages
 ) -> tuple[tuple[XformOp, Channel], ...]:
     """Resample the transforms that move the character as a whole, over all of their own time."""
     found = find_xform_ops(clip.source)
@@ -113,8 +124,15 @@ def _xforms(
     rate, resampled = clip.codes_per_second, []
     for op in found.ops:
         first, last = op.channel.codes[[0, -1]]
-        codes = whole_frames(min(first, clip.codes[0]), max(last, clip.codes[-1]), _fps(options), rate)
+        until = max(last, clip.codes[-1] if cycles is None else cycles.closed[k].codes[-1])
+        codes = whole_frames(min(first, clip.codes[0]), until, _fps(options), rate)
         cuts = cuts_of(op, clip, options.looks_for_cuts)
         smooth = filtered_op(op, cuts, rate, _fps(options)) if options.antialias else op
-        resampled.append((op, at_frames(resample_op(smooth, codes, rate, chosen.metric.scheme, cuts), codes)))
+        scheme = chosen.metric.scheme
+        if cycles is None:
+            dense = resample_op(smooth, codes, rate, scheme, cuts)
+        else:
+            dense = cycles.resample_op(k, smooth, codes, scheme, cuts)
+            codes = cycles.before_end(k, codes)
+        resampled.append((op, at_frames(dense, codes)))
     return tuple(resampled)

@@ -24,6 +24,12 @@ def add_cuts(parse: argparse.ArgumentParser) -> None:
     parse.add_argument(
         "--no-xforms", action="store_true", help="leave the transforms that move a character as a whole as they are"
     )
+    parse.add_argument(
+        "--loop",
+        action="store_true",
+        help="the motion is a cycle, whose first pose is the last, or comes one sample later: lead curves across the "
+        "seam, and fill it; what roots travel goes on with each cycle",
+    )
 
 
 def add_metric(parse: argparse.ArgumentParser) -> None:

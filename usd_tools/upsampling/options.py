@@ -79,6 +79,8 @@ class CurveOptions(StyleOptions):
         Lead the motion through every jump.
     no_xforms : bool
         Leave the transforms that move a character as a whole as they are.
+    loop : bool
+        Lead curves from the last sample on to the first: the motion is a cycle.
     dry_run : bool
         Do all but write.
     verbose : bool
@@ -89,6 +91,7 @@ class CurveOptions(StyleOptions):
     cut: TimeCodes | None = option(None, as_time_codes)
     no_cuts: bool = option(False, bool)
     no_xforms: bool = option(False, bool)
+    loop: bool = option(False, bool)
     dry_run: bool = option(False, bool, recorded=False)
     verbose: bool = option(False, bool, recorded=False)
 

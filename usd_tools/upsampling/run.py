@@ -12,7 +12,7 @@ from pxr import Usd
 
 from usd_tools.console.arguments import SOURCE
 from usd_tools.console.errors import Messages, ToolError, UsageError
-from usd_tools.console.progress import Progress, ProgressCallback
+from usd_tools.console.progress import ProgressCallback
 from usd_tools.files.atomic import write_json
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
 from usd_tools.files.stages import describe_dependencies, open_stage, stage_path
@@ -22,12 +22,14 @@ from usd_tools.skel.find import find_animations, select_animations
 from usd_tools.skel.frame_rates import rate_like
 from usd_tools.skel.output import Output
 from usd_tools.skel.rate_advice import between_frames
-from usd_tools.skel.resampling import Resampled, at_rate, resample, subdivided, with_codes
+from usd_tools.skel.resampling import at_rate, subdivided, with_codes
 from usd_tools.skel.time_codes import clips_with_source_codes, codes_for
 from usd_tools.skel.writer import AnimationLayer
 from usd_tools.skel.xforms import cuts_of, find_xform_ops, resample_op, usd_values
 from usd_tools.upsampling.clips import animated_clips, check_schemes, check_size, read_library, with_cuts
-from usd_tools.upsampling.metric import ChosenMetric, choose_metrics
+from usd_tools.upsampling.cycles import Cycles
+from usd_tools.upsampling.interpolation import interpolated
+from usd_tools.upsampling.metric import choose_metrics
 from usd_tools.upsampling.options import CurveOptions, UpsampleOptions
 from usd_tools.upsampling.result import UpsampledAnimation, UpsampleResult
 from usd_tools.upsampling.summary import UpsampledClip, describe, warnings_of
@@ -195,41 +197,34 @@ def _upsampled(
     clips = with_cuts(clips, options)
     metrics = choose_metrics(path, clips, options, messages, progress, read_library(options))
     check_schemes(options, clips, metrics)
-    targets = [_target_codes(options, clip, messages) for clip in clips]
-    results = interpolated(clips, targets, metrics, progress)
+    cycles = Cycles(clips, messages) if options.loop else None
+    targets = [_target_codes(options, clip, messages) for clip in (cycles.closed if cycles else clips)]
+    if cycles is None:
+        results = interpolated(clips, targets, metrics, progress)
+    else:
+        targets = [cycles.before_end(k, codes) for k, codes in enumerate(targets)]
+        results = cycles.interpolated(targets, metrics, progress)
     upsampled = [UpsampledClip(*parts) for parts in zip(clips, targets, metrics, results, strict=True)]
-    return upsampled if options.no_xforms else [_with_xforms(each, options, messages) for each in upsampled]
+    if options.no_xforms:
+        return upsampled
+    return [_with_xforms(k, each, cycles, options, messages) for k, each in enumerate(upsampled)]
 
 
-def interpolated(
-    clips: Sequence[SkelClip],
-    targets: Sequence[np.ndarray],
-    metrics: Sequence[ChosenMetric],
-    progress: ProgressCallback | None,
-) -> list[Resampled]:
-    """Interpolate clips at time codes, each with its metric; see `resample`."""
-    work = [len(codes) * max(1, len(clip.joints)) for clip, codes in zip(clips, targets, strict=True)]
-    bar = Progress(progress, sum(work), "Interpolating")
-    results = []
-    for clip, codes, chosen, amount in zip(clips, targets, metrics, work, strict=True):
-
-        def advance(share: float, amount: int = amount) -> None:
-            bar.advance(share * amount)
-
-        results.append(resample(clip, codes, chosen.metric.scheme, chosen.metric, chosen.library, advance))
-    return results
-
-
-def _with_xforms(upsampled: UpsampledClip, options: UpsampleOptions, messages: Messages) -> UpsampledClip:
-    """Add samples to the transforms that move the character as a whole."""
+def _with_xforms(
+    k: int, upsampled: UpsampledClip, cycles: Cycles | None, options: UpsampleOptions, messages: Messages
+) -> UpsampledClip:
+    """Add samples to the transforms that move the character of the clip number k as a whole."""
     found = find_xform_ops(upsampled.clip.source)
     for note in found.notes:
         messages.warn(note)
     clip, codes, scheme = upsampled.clip, upsampled.codes, upsampled.chosen.metric.scheme
-    resampled = [
-        resample_op(op, codes, clip.codes_per_second, scheme, cuts_of(op, clip, options.looks_for_cuts))
-        for op in found.ops
-    ]
+    resampled = []
+    for op in found.ops:
+        cuts = cuts_of(op, clip, options.looks_for_cuts)
+        if cycles is None:
+            resampled.append(resample_op(op, codes, clip.codes_per_second, scheme, cuts))
+        else:
+            resampled.append(cycles.resample_op(k, op, codes, scheme, cuts))
     return replace(upsampled, xforms=tuple(zip(found.ops, resampled, strict=True)))
 
 

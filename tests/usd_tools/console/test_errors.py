@@ -12,7 +12,7 @@ from usd_tools.console.errors import Messages, ToolError, run
 
 SLOW = """
 import signal, sys
-import usd_tools.upsampling.run as work
+import usd_tools.upsampling.interpolation as work
 from usd_tools.upsample import main
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have started us with Ctrl+C ignored

@@ -27,10 +27,10 @@ def test_a_row_for_each_animation_and_the_takes_of_a_rig(run, takes):
     assert code == 1 and err.startswith(f"error: {takes}/x.usda ")
     lines = [[cell.strip() for cell in line.split("│")[1:-1]] for line in out.splitlines() if line.startswith("│")]
     assert lines[:4] == [
-        ["a.usda", "1", "3", "4", "30", "0.1", ""],
-        ["b/walk.usda", "1", "3", "9", "24", "0.3333", ""],
-        ["c.usda", "2", "2", "4", "24", "0.125", ""],
-        ["empty.usda", "", "", "", "", "", "no skeletal animation"],
+        ["a.usda", "1", "3", "4", "30", "0.1", "", ""],
+        ["b/walk.usda", "1", "3", "9", "24", "0.3333", "", ""],
+        ["c.usda", "2", "2", "4", "24", "0.125", "", ""],
+        ["empty.usda", "", "", "", "", "", "", "no skeletal animation"],
     ]
     assert out.splitlines()[-1] == "Rig 1, 3 joints: 2 takes, a.usda, b/walk.usda."
 
