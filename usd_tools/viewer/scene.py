@@ -53,7 +53,7 @@ class SceneView:
         self._server, self._up, self._on_click = server, _AXES[up], on_click
         self._level = 1.0 - self._up
         self.size = max(float(np.linalg.norm(standing[1] - standing[0])), 1e-6)
-        self._bodies: dict[str, Body] = {}
+        self.bodies: dict[str, Body] = {}
         self._nodes: dict[str, list[Any]] = {}
         self._frames: dict[str, Any] = {}
         self._offset = np.zeros(3)
@@ -112,7 +112,7 @@ class SceneView:
             )
             node.on_click(self._clicked(name))
             nodes.append(node)
-        self._bodies[name], self._nodes[name] = body, nodes
+        self.bodies[name], self._nodes[name] = body, nodes
 
     def _clicked(self, name: str) -> Callable[[Any], None]:
         def clicked(event: Any) -> None:
@@ -126,7 +126,7 @@ class SceneView:
 
     def joint_at(self, name: str, matrices: np.ndarray, origin: np.ndarray, direction: np.ndarray) -> int | None:
         """Find the joint of a character that a ray meets; see `Body.joint_at`."""
-        return self._bodies[name].joint_at(matrices, origin, direction)
+        return self.bodies[name].joint_at(matrices, origin, direction)
 
     def show(self, poses: Mapping[str, np.ndarray], follow: np.ndarray | None, marked: np.ndarray | None) -> None:
         """Show a pose of each visible character: one message per part.
@@ -142,7 +142,7 @@ class SceneView:
         """
         with self._server.atomic():
             for name, matrices in poses.items():
-                for node, points in zip(self._nodes[name], self._bodies[name].points(matrices), strict=True):
+                for node, points in zip(self._nodes[name], self.bodies[name].points(matrices), strict=True):
                     node.vertices = points.astype(np.float32)
             offset = np.zeros(3) if follow is None else -follow * self._level
             if (offset != self._offset).any():
@@ -189,7 +189,7 @@ class SceneView:
     def set_onion(self, poses: np.ndarray) -> None:
         """Draw some poses of ours, shape=[K, B, 3, 4], as one pale mesh; none removes it."""
         self._remove("onion")
-        parts = self._bodies[OURS].joined().parts if len(poses) else ()
+        parts = self.bodies[OURS].joined().parts if len(poses) else ()
         if parts:
             points = parts[0].markers.places(poses)
             starts = points.shape[1] * np.arange(len(poses))
