@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geomstats_anim import LearnedMetric, MetricParameters, optimal_keyframes
-from geomstats_anim.names import DEFAULT_SCHEME, LEARNED, SCHEME_NAMES
+from geomstats_anim.names import DEFAULT_SCHEME, LEARNED, OWN_SCHEMES, SCHEME_NAMES
 from geomstats_anim.parameters import CurveParameters
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.text import did_you_mean, short_names
@@ -63,7 +63,7 @@ class EditState:
         joints, path = motion.skeleton.joints, motion.clip.path
         metric, stored = LearnedMetric.plain(joints, DEFAULT_SCHEME), stored_metric(motion.clip.source)
         if stored is not None:
-            _check_scheme(stored, f"{path}: the metric")
+            _check_scheme(stored, f"{path}: the metric", SCHEME_NAMES)
             metric, _ = stored.for_joints(joints)
             missing = [joint for joint in motion.clip.joints if joint not in stored.joints]
             if missing:
@@ -105,7 +105,7 @@ def edited_metric(metric: LearnedMetric, edit: Edit) -> LearnedMetric:
     if isinstance(edit, UseMetric):
         if not set(edit.metric.joints) & set(joints):
             raise ToolError("The metric has an entry for no joint of this clip.")
-        _check_scheme(edit.metric, "The metric")
+        _check_scheme(edit.metric, "The metric", OWN_SCHEMES)
         return edit.metric.for_joints(joints)[0]
     if isinstance(edit, UseScheme):
         return metric.for_scheme(edit.scheme)
@@ -125,11 +125,11 @@ def edited_metric(metric: LearnedMetric, edit: Edit) -> LearnedMetric:
     return replace(changed, provenance=metric.provenance)
 
 
-def _check_scheme(metric: LearnedMetric, what: str) -> None:
-    if metric.scheme not in SCHEME_NAMES:
+def _check_scheme(metric: LearnedMetric, what: str, schemes: Sequence[str]) -> None:
+    if metric.scheme not in schemes:
         raise ToolError(
-            f"{what} names the scheme {metric.scheme!r}, which does not exist; the schemes are "
-            f"{', '.join(SCHEME_NAMES)}."
+            f"{what} names the scheme {metric.scheme!r}, which cannot be used here; the schemes are "
+            f"{', '.join(schemes)}."
         )
 
 

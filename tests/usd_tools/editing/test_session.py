@@ -383,9 +383,9 @@ def test_the_world_is_that_of_the_stage(tmp_path):
     np.testing.assert_allclose(moved, np.tile([0.0, 0.0, 5.0], (5, 1)), atol=1e-12)
 
 
-@pytest.mark.parametrize("scheme", ["bezier", ""])
-def test_a_scheme_that_does_not_exist_is_refused(session, scheme):
-    with pytest.raises(ToolError, match="does not exist"):
+@pytest.mark.parametrize("scheme", ["bezier", "", "learned"])
+def test_a_metric_of_a_scheme_that_a_session_does_not_have_is_refused(session, scheme):
+    with pytest.raises(ToolError, match="cannot be used"):
         session.apply(UseMetric(LearnedMetric.plain(JOINTS, scheme)))
 
 
