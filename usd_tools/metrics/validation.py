@@ -58,7 +58,7 @@ def register_validator() -> bool:
     Returns
     -------
     registered : bool
-        False where OpenUSD takes no validators from Python, before 26.
+        False where OpenUSD takes no validators from Python, before 26.5.
     """
     from pxr import UsdValidation
 

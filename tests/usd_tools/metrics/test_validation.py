@@ -6,6 +6,7 @@ import pytest
 from pxr import UsdValidation
 from rigs import ANIMATION, JOINTS, make_rig, some_metric
 
+from geomstats_anim.names import SCHEME_NAMES
 from usd_tools.metrics.attributes import write_metric
 from usd_tools.metrics.validation import VALIDATOR, register_validator, validate_metric
 
@@ -49,10 +50,7 @@ def test_nothing_is_wrong_with_a_metric_that_fits_and_with_none(prim):
         ),
         (
             {"scheme": "spline"},
-            [
-                "geodesicMetric:scheme 'spline' does not exist; use constant, linear, slerp, squad, rotation-spline, "
-                "geodesic, geodesic-spline."
-            ],
+            [f"geodesicMetric:scheme 'spline' does not exist; use {', '.join(SCHEME_NAMES)}."],
         ),
         (
             {"joints": [*JOINTS[:1], "x", "y"]},
