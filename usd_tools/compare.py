@@ -13,7 +13,7 @@ from pathlib import Path
 from geomstats_anim.names import KINDS, OWN_SCHEMES
 from usd_tools.comparison.options import DEFAULT_CHOICES, RATES, CompareOptions, SchemeChoice
 from usd_tools.comparison.result import CompareResult
-from usd_tools.console.arguments import add_prim, add_workers, share
+from usd_tools.console.arguments import add_prim, add_workers, positive_number, share
 from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.progress import ProgressBar, ProgressCallback
@@ -131,6 +131,15 @@ def parser(prog: str = PROG) -> ArgumentParser:
         default="hyb",
         help="quality to minimise: positions of bone ends (loc), joint angles (rot), or half of each (hyb, the "
         "default)",
+    )
+    parse.add_argument(
+        "--tolerances",
+        metavar="CM",
+        type=positive_number,
+        nargs="+",
+        default=[],
+        help="count the bytes of motion that usd_tools.pack, usd_tools.downsample, slerp and plain rounding need to "
+        "keep every joint, bone end and point around joints within each distance; default: none",
     )
     add_workers(parse)
     add_prim(parse)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from geomstats_anim.names import DEFAULT_SCHEME, FAMILIES, KINDS, OWN_SCHEMES, PURPOSES, WITH_METRIC
-from usd_tools.console.arguments import share, whole_number
+from usd_tools.console.arguments import positive_number, share, whole_number
 from usd_tools.console.options import PrimOptions, one_of, option
 from usd_tools.console.parser import listed
 from usd_tools.console.text import did_you_mean
@@ -80,6 +80,10 @@ def _rates(values: Iterable[float]) -> tuple[float, ...]:
     return tuple(dict.fromkeys(map(share, values)))  # type: ignore[arg-type]
 
 
+def _tolerances(values: Iterable[float]) -> tuple[float, ...]:
+    return tuple(dict.fromkeys(map(positive_number, values)))  # type: ignore[arg-type]
+
+
 def _schemes(values: Iterable[str | SchemeChoice]) -> tuple[SchemeChoice, ...]:
     chosen = (value if isinstance(value, SchemeChoice) else SchemeChoice.parse(value) for value in values)
     return tuple(dict.fromkeys(chosen))
@@ -100,6 +104,9 @@ class CompareOptions(PrimOptions):
     kind : str
         Quality that learning minimises: "loc", "rot" or "hyb".
         Optional, default: "hyb".
+    tolerances : tuple of float
+        Centimetres: how many bytes `pack`, `downsample`, slerp and plain rounding need to stay within each.
+        Optional, default: none, which takes no time.
     address : str
         HOST:PORT of a Ray cluster.
     cpus : int
@@ -110,10 +117,12 @@ class CompareOptions(PrimOptions):
     rates: tuple[float, ...] = option(RATES, _rates)
     schemes: tuple[SchemeChoice, ...] = option(DEFAULT_CHOICES, _schemes)
     kind: str = option("hyb", one_of(KINDS))
+    tolerances: tuple[float, ...] = option((), _tolerances)
     address: str | None = option(None, str, recorded=False)
     cpus: int | None = option(None, whole_number, recorded=False)
 
     def settings(self) -> dict[str, Any]:
         """Return what was asked for, lists as they are."""
         schemes = list(dict.fromkeys(choice.word for choice in self.schemes))
-        return {"rates": list(self.rates), "schemes": schemes, "kind": self.kind, "prim": list(self.prim)}
+        settings = {"rates": list(self.rates), "schemes": schemes, "kind": self.kind, "prim": list(self.prim)}
+        return settings | ({"tolerances": list(self.tolerances)} if self.tolerances else {})

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from geomstats_anim._version import __version__
 
 if TYPE_CHECKING:
+    from usd_tools.comparison.distortion import RateDistortion
     from usd_tools.comparison.trials import Row
 
 TOOL = "usd_tools.compare"
@@ -31,6 +32,8 @@ class CompareResult:
     warnings : tuple of str
     rows : tuple of Row
         Scores of each scheme, rate and clip, in and out of sample.
+    rate_distortion : tuple of RateDistortion
+        Bytes of each method, tolerance and clip.
     """
 
     path: Path
@@ -39,6 +42,7 @@ class CompareResult:
     skipped: tuple[dict[str, str], ...]
     warnings: tuple[str, ...]
     rows: tuple[Row, ...]
+    rate_distortion: tuple[RateDistortion, ...] = ()
 
     @property
     def head(self) -> dict[str, Any]:
@@ -54,4 +58,7 @@ class CompareResult:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the content of results.json."""
-        return {**self.head, "rows": [asdict(row) for row in self.rows]}
+        found = {"rows": [asdict(row) for row in self.rows]}
+        if self.rate_distortion:
+            found["rate_distortion"] = [asdict(point) for point in self.rate_distortion]
+        return {**self.head, **found}

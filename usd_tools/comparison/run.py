@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 
+from usd_tools.comparison.distortion import METHODS, RateDistortion, rate_distortion
 from usd_tools.comparison.options import CompareOptions
 from usd_tools.comparison.report.report import write_report
 from usd_tools.comparison.result import TOOL, CompareResult
@@ -37,8 +38,9 @@ def compare_files(
         layers = [layer.realPath for each in clips for layer in each.clip.source.stage.GetUsedLayers()]
         check_folder(out, TOOL, [each.path for each in clips] + [path for path in layers if path])
         results = _measure(clips, options, messages, progress)
+        points = _rate_distortion(clips, options, progress)
         with made_beside(out, TOOL) as folder:
-            return _write(out, folder, clips, results, skipped, options, messages, progress)
+            return _write(out, folder, clips, results, points, skipped, options, messages, progress)
 
 
 def read_compared(
@@ -83,11 +85,26 @@ def _measure(
     return measure_all(wanted, takes, options.kind, options.address, options.cpus, done)
 
 
+def _rate_distortion(
+    clips: Sequence[ComparedClip], options: CompareOptions, progress: ProgressCallback | None
+) -> list[RateDistortion]:
+    """Count the bytes that each method needs for each clip within each tolerance."""
+    bar = Progress(progress, len(clips) * len(METHODS) * len(options.tolerances), "Packing")
+    points = []
+    for each in clips:
+        for method in METHODS:
+            for tolerance in options.tolerances:
+                points.append(rate_distortion(each.name, method, each.take.stretches, tolerance))
+                bar.advance(1.0, f"Packing: {each.name}, {method}")
+    return points
+
+
 def _write(
     out: Path,
     folder: Path,
     clips: Sequence[ComparedClip],
     results: Sequence[TrialResult],
+    points: Sequence[RateDistortion],
     skipped: Sequence[Skipped],
     options: CompareOptions,
     messages: Messages,
@@ -120,7 +137,8 @@ def _write(
         tuple(asdict(each) for each in skipped),
         tuple(messages.warnings),
         tuple(rows),
+        tuple(points),
     )
     write_results(folder, compared)
-    write_report(folder, compared.head, clips, results, rows, Progress(progress, None, "Drawing").advance)
+    write_report(folder, compared.head, clips, results, rows, points, Progress(progress, None, "Drawing").advance)
     return compared

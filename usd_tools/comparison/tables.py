@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from usd_tools.comparison.distortion import RateDistortion
 from usd_tools.comparison.result import CompareResult
 from usd_tools.comparison.trials import Row
 from usd_tools.console.tables import show
 from usd_tools.console.text import counted, say
+from usd_tools.skel.sizes import COMPARING
 
 _COLUMNS = ("rate", "scheme", "mean cm", "max cm", "Q_hyb", "unseen Q")
 _ALL_COLUMNS = (
@@ -39,7 +41,10 @@ def print_summary(result: CompareResult, kind: str, verbose: bool) -> None:
     """Print a table for each clip, what its columns mean, and what was written."""
     for clip in (each["clip"] for each in result.clips):
         _print_clip(clip, [row for row in result.rows if row.clip == clip], kind, verbose)
+        _print_sizes(clip, [point for point in result.rate_distortion if point.clip == clip])
     say(EXPLANATION)
+    if result.rate_distortion:
+        say(COMPARING)
     if verbose:
         say(FITTED)
     say(f"Wrote {result.path}; open {result.path / 'index.html'} in a browser.")
@@ -68,6 +73,23 @@ def _print_clip(clip: str, rows: Sequence[Row], kind: str, verbose: bool) -> Non
         table.append([cells.get(column, "") for column in (_ALL_COLUMNS if verbose else _COLUMNS)])
     frames = next((f", {row.frames} samples of {counted(row.joints or 0, 'joint')}" for row in whole if row.frames), "")
     show(f"{clip}{frames}", table, _ALL_COLUMNS if verbose else _COLUMNS)
+
+
+def _print_sizes(clip: str, points: Sequence[RateDistortion]) -> None:
+    """Print the bytes of a clip by tolerance and method, if they were counted."""
+    if points:
+        table = [
+            (
+                f"{point.tolerance_cm:g} cm",
+                point.method,
+                "not within" if point.bytes is None else str(point.bytes),
+                "" if point.share is None else f"{point.share:.4f}",
+                "" if point.mean_cm is None else f"{point.mean_cm:.3f}",
+                "" if point.largest_cm is None else f"{point.largest_cm:.3f}",
+            )
+            for point in sorted(points, key=lambda point: point.tolerance_cm)
+        ]
+        show(f"{clip}: bytes of motion", table, ("within", "method", "bytes", "of NumPy", "mean cm", "max cm"))
 
 
 def _cells(row: Row) -> dict[str, str]:

@@ -10,11 +10,7 @@ from usd_tools.console.tables import show
 from usd_tools.console.text import counted, say, say_command
 from usd_tools.files.paths import same_file
 from usd_tools.packing.result import PackedAnimation, PackResult, UnpackResult
-
-COMPARING = (
-    "Ratios compare bytes at these errors, and nothing else: codecs for engines, such as ACL, decode single poses in "
-    "place in nanoseconds; this unpacks a whole clip in milliseconds."
-)
+from usd_tools.skel.sizes import COMPARING
 
 
 def print_packed(result: PackResult, source: Path) -> None:

@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from usd_tools.comparison.report import charts, skeletons
+from usd_tools.comparison.distortion import RateDistortion
+from usd_tools.comparison.report import charts, distortion, skeletons
 from usd_tools.comparison.report.scenes import Scene
 from usd_tools.comparison.trials import Row
+from usd_tools.skel.sizes import COMPARING
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -40,7 +42,9 @@ class Picture:
     caption: str
 
 
-def draw_all(folder: Path, scenes: Sequence[Scene], rows: Sequence[Row], kind: str) -> Iterator[Picture]:
+def draw_all(
+    folder: Path, scenes: Sequence[Scene], rows: Sequence[Row], points: Sequence[RateDistortion], kind: str
+) -> Iterator[Picture]:
     """Draw all figures, one after the other.
 
     Parameters
@@ -48,6 +52,8 @@ def draw_all(folder: Path, scenes: Sequence[Scene], rows: Sequence[Row], kind: s
     folder : Path
     scenes : sequence of Scene
     rows : sequence of Row
+    points : sequence of RateDistortion
+        Without any, there is no figure of them.
     kind : str
         Quality to show.
 
@@ -71,6 +77,8 @@ def draw_all(folder: Path, scenes: Sequence[Scene], rows: Sequence[Row], kind: s
             if by_clip:
                 name, caption = _QUALITY[unseen]
                 yield keep(charts.draw_quality(by_clip, kind), Picture(name, None, caption))
+        if points:
+            yield keep(distortion.draw_rate_distortion(points), Picture("bytes", None, _BYTES))
         for clip in clips:
             scene = telling([scene for scene in scenes if scene.name == clip])
             yield keep(skeletons.draw_overlay(scene), Picture(f"{clip}-overlay", clip, _OVERLAY))
@@ -97,6 +105,7 @@ _QUALITY = {
         "dotted, fitted freely to the first half.",
     ),
 }
+_BYTES = f"Bytes of motion against the largest error of joints, bone ends and points around joints. {COMPARING}"
 _OVERLAY = (
     "The frame in which the schemes differ most. Thin lines lead from each joint to where the scheme puts it; the "
     "figure is the mean distance of bone ends."

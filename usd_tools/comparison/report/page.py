@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from usd_tools.comparison.distortion import METHODS, RateDistortion
 from usd_tools.comparison.report.charts import curves
 from usd_tools.comparison.report.figures import Picture, telling
 from usd_tools.comparison.report.player_data import player_data
@@ -39,6 +40,7 @@ def write_page(
     figures: Path,
     head: Mapping[str, Any],
     rows: Sequence[Row],
+    points: Sequence[RateDistortion],
     scenes: Sequence[Scene],
     pictures: Sequence[Picture],
 ) -> None:
@@ -52,6 +54,7 @@ def write_page(
     head : mapping
         What results.json says before its rows.
     rows : sequence of Row
+    points : sequence of RateDistortion
     scenes : sequence of Scene
         Without any, there are neither figures nor a player.
     pictures : sequence of Picture
@@ -75,6 +78,8 @@ def write_page(
         kind=kind,
         columns=list(COLUMNS.values()),
         qualities=[_matrix(rows, clips, kind, unseen) for unseen in (False, True)],
+        methods=list(METHODS),
+        sizes=_sizes(points),
         long_tables={clip: [_cells(row) for row in rows if row.clip == clip] for clip in clips},
         failures=[row for row in rows if row.error is not None],
         pictures=[(picture, _embedded(figures / f"{picture.name}.svg")) for picture in pictures],
@@ -110,6 +115,17 @@ def _matrix(rows: Sequence[Row], clips: Sequence[str], kind: str, unseen: bool) 
             ]
             lines.append({"clip": clip, "kept": percent(rate), "cells": cells})
     return {"words": [(word, look(word.partition(", ")[0]).color) for word in words], "lines": lines}
+
+
+def _sizes(points: Sequence[RateDistortion]) -> list[dict[str, Any]]:
+    """Make a table of bytes: clips and tolerances down, methods across."""
+    found = {(point.clip, point.tolerance_cm, point.method): point.bytes for point in points}
+    lines = dict.fromkeys((clip, tolerance) for clip, tolerance, _ in found)
+    cells = {line: [found[(*line, method)] for method in METHODS] for line in lines}
+    return [
+        {"clip": clip, "tolerance": f"{tolerance:g} cm", "cells": ["–" if n is None else str(n) for n in row]}
+        for (clip, tolerance), row in cells.items()
+    ]
 
 
 def _cells(row: Row) -> dict[str, Any]:

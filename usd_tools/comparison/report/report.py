@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from usd_tools.comparison.distortion import RateDistortion
 from usd_tools.comparison.report.figures import draw_all
 from usd_tools.comparison.report.page import write_page
 from usd_tools.comparison.report.scenes import scenes
@@ -19,6 +20,7 @@ def write_report(
     clips: Sequence[ComparedClip],
     results: Sequence[TrialResult],
     rows: Sequence[Row],
+    points: Sequence[RateDistortion] = (),
     advance: Callable[[float, str], None] = lambda amount, what: None,
 ) -> None:
     """Draw the figures and write the page.
@@ -32,6 +34,7 @@ def write_report(
     clips : sequence of ComparedClip
     results : sequence of TrialResult
     rows : sequence of Row
+    points : sequence of RateDistortion
     advance : callable
         Told what is drawn.
     """
@@ -39,7 +42,7 @@ def write_report(
     figures = folder / "figures"
     figures.mkdir()
     pictures = []
-    for picture in draw_all(figures, seen, rows, head["settings"]["kind"]):
+    for picture in draw_all(figures, seen, rows, points, head["settings"]["kind"]):
         pictures.append(picture)
         advance(1.0, f"Drawing: {picture.name}")
-    write_page(folder / "index.html", figures, head, rows, seen, pictures)
+    write_page(folder / "index.html", figures, head, rows, points, seen, pictures)
