@@ -29,6 +29,7 @@ from usd_tools.metrics.attributes import (
 from usd_tools.metrics.strings import carriers, write_strings
 from usd_tools.skel.channels import CHANNELS, Channel, write_samples, write_values
 from usd_tools.skel.clip import SkelClip
+from usd_tools.skel.euler_angles import write_euler
 from usd_tools.skel.find import AnimationSource
 from usd_tools.skel.instancing import editable_paths
 from usd_tools.skel.packed import StoredStream, remove_packed, write_packed
@@ -90,6 +91,7 @@ class AnimationLayer:
         source_cuts: np.ndarray | None = None,
         keeps_samples: bool = True,
         packed: StoredStream | None = None,
+        euler: str | None = None,
     ) -> None:
         """Write the samples of an animation, all of them: one sample here hides every sample below.
 
@@ -115,6 +117,9 @@ class AnimationLayer:
         packed : StoredStream
             Motion of the sampled attributes, packed; packed motion of `source` goes where samples are written.
             Optional, default: none.
+        euler : str
+            Order of Euler angles that rotations are written as too, see `write_euler`.
+            Optional, default: they are not.
         """
         for path in editable_paths(self, source, messages):
             spec = self.prim(path)
@@ -128,6 +133,8 @@ class AnimationLayer:
                 write_packed(spec, *packed)
             elif channels:
                 remove_packed(spec, source.prim)
+            if euler is not None and "rotations" in channels:
+                write_euler(spec, channels["rotations"], euler, self.offset)
             if metric is not None:
                 axes = source.prim.GetAttribute(f"{NAMESPACE}:axes")
                 write_metric(spec, metric, hide_axes=bool(axes) and axes.HasAuthoredValue())

@@ -8,6 +8,7 @@ from pathlib import Path
 from geomstats_anim.names import DEFAULT_SCHEME, INVARIANCES, SCHEME_NAMES
 from usd_tools.console.arguments import positive_number, time_codes
 from usd_tools.upsampling.joint_styles import parse_style, tension_number
+from usd_tools.upsampling.options import EULER_ORDERS
 
 
 def add_cuts(parse: argparse.ArgumentParser) -> None:
@@ -23,6 +24,12 @@ def add_cuts(parse: argparse.ArgumentParser) -> None:
     cuts.add_argument("--no-cuts", action="store_true", help="lead the motion through every jump")
     parse.add_argument(
         "--no-xforms", action="store_true", help="leave the transforms that move a character as a whole as they are"
+    )
+    parse.add_argument(
+        "--euler",
+        choices=EULER_ORDERS,
+        help="write the turns of joints as Euler angles too, in degrees and without jumps: custom attributes "
+        "geomstatsAnim:eulerAngles and eulerOrder of the SkelAnimation; XYZ turns about x first, as xformOp:rotateXYZ",
     )
     parse.add_argument(
         "--loop",

@@ -12,6 +12,9 @@ from usd_tools.console.options import OutputOptions, one_of, option, several
 from usd_tools.skel.frame_rates import typed_rate
 from usd_tools.upsampling.joint_styles import Style, parse_style, tension_number
 
+EULER_ORDERS = ("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
+"""Those of transform ops: XYZ turns about x first."""
+
 METRIC_WORDS = ("stored", "identity", "learn")
 """Metrics that are no file."""
 
@@ -79,6 +82,9 @@ class CurveOptions(StyleOptions):
         Lead the motion through every jump.
     no_xforms : bool
         Leave the transforms that move a character as a whole as they are.
+    euler : str
+        Order, such as "XYZ", of Euler angles to write beside the quaternions.
+        Optional, default: none are written.
     loop : bool
         Lead curves from the last sample on to the first: the motion is a cycle.
     dry_run : bool
@@ -91,6 +97,7 @@ class CurveOptions(StyleOptions):
     cut: TimeCodes | None = option(None, as_time_codes)
     no_cuts: bool = option(False, bool)
     no_xforms: bool = option(False, bool)
+    euler: str | None = option(None, one_of(EULER_ORDERS))
     loop: bool = option(False, bool)
     dry_run: bool = option(False, bool, recorded=False)
     verbose: bool = option(False, bool, recorded=False)

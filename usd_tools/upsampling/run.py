@@ -122,7 +122,7 @@ def work_on_file(
             layer = target.layer(
                 stage, work.result.tool, options.settings(), messages, None if work.retime is None else rate
             )
-            _write(layer, clips, messages)
+            _write(layer, clips, options, messages)
             target.save(layer)
         animations = _described(clips, options, messages, rate / stage.GetTimeCodesPerSecond())
     # A file that was changed in place is read anew below, so prims may be gone from the stage.
@@ -172,7 +172,7 @@ def work_on_stage(
         layer = EditTargetLayer(stage)
         if not options.dry_run:
             with layer.editing():
-                _write(layer, clips, messages)
+                _write(layer, clips, options, messages)
     return work.result(
         path.name,
         None,
@@ -254,12 +254,18 @@ def _target_codes(options: UpsampleOptions, clip: SkelClip, messages: Messages) 
     return with_codes(clip, times)
 
 
-def _write(layer: AnimationLayer, clips: Sequence[UpsampledClip], messages: Messages) -> None:
+def _write(layer: AnimationLayer, clips: Sequence[UpsampledClip], options: CurveOptions, messages: Messages) -> None:
     for each in clips:
         metric = each.metric if each.clip.joints else None
         kept = bool(np.isin(each.clip.codes, each.codes).all())
         layer.write_animation(
-            each.clip.source, each.result.channels, each.clip.missing, metric, messages, keeps_samples=kept
+            each.clip.source,
+            each.result.channels,
+            each.clip.missing,
+            metric,
+            messages,
+            keeps_samples=kept,
+            euler=options.euler,
         )
         for op, channel in each.xforms:
             layer.write_values(op.attribute, channel, usd_values(op, channel.values[:, 0]))
