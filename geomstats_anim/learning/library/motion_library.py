@@ -93,6 +93,8 @@ class MotionLibrary:
 
     def rig_difference(self, skeleton: Skeleton) -> str:
         """Return how another rig differs, in words; "" if it is this one."""
+        if _is_same(self.skeleton, skeleton):
+            return ""
         own, others = set(self.skeleton.joints), set(skeleton.joints)
         if own != others:
             return f"{len(own & others)} of its {len(own)} joints are among the {len(others)} of the clip"
@@ -116,20 +118,16 @@ class MotionLibrary:
         )
 
     def _residual(self, times: Array, rotations: Array) -> Residual:
-        return self._join(times, rotations, self._sines(times, self._contexts(times, rotations)))
+        gaps = np.diff(times)
+        return _joined(rotations, gaps, self._sines(gaps, self._contexts(times, rotations)))
 
     def _contexts(self, times: Array, rotations: Array) -> Contexts:
         return contexts_of(times, rotations, self.parts.trunk, self.vertical)
 
-    def _join(self, times: Array, rotations: Array, sines: Array) -> Residual:
-        holds = quat.distance(rotations[:-1], rotations[1:]) <= STILL
-        return Residual.through_keys(sines, np.diff(times), holds)
-
-    def _sines(self, times: Array, contexts: Contexts) -> Array:
-        """Predict all segments, each by the model of the nearest gap; 0 where none is near."""
-        gaps = GAP_RATE * np.diff(times)
+    def _sines(self, gaps: Array, contexts: Contexts) -> Array:
+        """Predict all segments, each by the model of the nearest gap, seconds; 0 where none is near."""
         own = np.array([model.gap for model in self.models])
-        ratio = np.abs(np.log(gaps[:, None] / own))
+        ratio = np.abs(np.log(GAP_RATE * gaps[:, None] / own))
         nearest = np.where(ratio.min(axis=1) <= np.log(_NEAR), ratio.argmin(axis=1), -1)
         most = max((self.models[i].n_sines for i in np.unique(nearest) if i >= 0), default=1)
         sines = np.zeros((len(gaps), most, self.skeleton.n_joints, 3))
@@ -140,14 +138,31 @@ class MotionLibrary:
 
     def _self_check(self, times: Array, rotations: Array, curve: CurveParameters) -> Array:
         """Predict every second key from the others, twice, and choose the shares that help most."""
-        splines, residuals, truth = [], [], []
+        halves = []
         for first in (0, 1):
             kept = slice(first, len(times) - (len(times) - first + 1) % 2, 2)
-            hidden = slice(first + 1, kept.stop - 1, 2)
-            ends, keys = times[kept], rotations[kept]
-            segment, fraction = np.arange(len(ends) - 1), (times[hidden] - ends[:-1]) / np.diff(ends)
+            halves.append((times[kept], rotations[kept], slice(first + 1, kept.stop - 1, 2)))
+        gaps = [np.diff(ends) for ends, _, _ in halves]
+        contexts = Contexts.joined([self._contexts(ends, keys) for ends, keys, _ in halves])
+        sines = np.split(self._sines(np.concatenate(gaps), contexts), [len(gaps[0])])
+        splines, residuals, truth = [], [], []
+        for (ends, keys, hidden), durations, half in zip(halves, gaps, sines, strict=True):
+            segment, fraction = np.arange(len(durations)), (times[hidden] - ends[:-1]) / durations
             splines.append(PoseSpline(ends, keys, curve.metric, curve.tension)(segment, fraction))
-            residuals.append(self._residual(ends, keys)(segment, fraction))
+            residuals.append(_joined(keys, durations, half)(segment, fraction))
             truth.append(rotations[hidden])
         found = (np.concatenate(each) for each in (splines, residuals, truth))
-        return best_shares(self.parts, *found)
+        return best_shares(self.skeleton, self.parts, *found)
+
+
+def _joined(rotations: Array, gaps: Array, sines: Array) -> Residual:
+    """Join predictions between keys; what holds stays."""
+    return Residual.through_keys(sines, gaps, quat.distance(rotations[:-1], rotations[1:]) <= STILL)
+
+
+def _is_same(first: Skeleton, second: Skeleton) -> bool:
+    return (
+        first.joints == second.joints
+        and np.array_equal(first.parents, second.parents)
+        and np.array_equal(first.rest_translations, second.rest_translations)
+    )
