@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from geomstats_anim.geodesics.shortest import Effort
 from geomstats_anim.learning.objective import Objective
 from geomstats_anim.learning.tune.ray_runtime import one_place_each, require
 from geomstats_anim.parameters import CurveParameters
@@ -68,11 +67,9 @@ class Corpus:
         errors, gradients = zip(*self._clips.each(run, curve), strict=True)
         return np.asarray(self._weigh(errors)), np.asarray(self._weigh(gradients))
 
-    def rotation_errors_by_joint(
-        self, curve: CurveParameters, effort: Effort = "thorough", joints: np.ndarray | None = None
-    ) -> Array:
+    def rotation_errors_by_joint(self, curve: CurveParameters, joints: np.ndarray | None = None) -> Array:
         """Return the mean rotation error of each joint, radians, as `Objective.rotation_errors_by_joint`."""
-        run = partial(Objective.rotation_errors_by_joint, effort=effort, joints=joints)
+        run = partial(Objective.rotation_errors_by_joint, joints=joints)
         return np.asarray(self._mean(run, curve))
 
     def errors_by_joint(self, curve: CurveParameters) -> Array:

@@ -241,7 +241,7 @@ class Search:
         """Return the rotation errors of the joints that turn, shape=[B], and those at the start of the others."""
         curve = self.curve(point[self._turning], [sides[joint] for joint in self._turning])
         errors = self._base_errors.copy()
-        errors[self._turning] = self.objective.rotation_errors_by_joint(curve, "quick", self._turning)
+        errors[self._turning] = self.objective.rotation_errors_by_joint(curve, self._turning)
         self._tally.count()
         return errors
 

@@ -8,7 +8,6 @@ from typing import Protocol
 import numpy as np
 
 from geomstats_anim.animation import Skeleton
-from geomstats_anim.geodesics.shortest import Effort
 from geomstats_anim.parameters import CurveParameters
 from geomstats_anim.rotations import Array
 
@@ -39,9 +38,7 @@ class Learnable(Protocol):
         """Return the quality, and its derivative, shape=[B, 7]; see `Objective.value_and_gradient`."""
         ...
 
-    def rotation_errors_by_joint(
-        self, curve: CurveParameters, effort: Effort = "thorough", joints: np.ndarray | None = None
-    ) -> Array:
+    def rotation_errors_by_joint(self, curve: CurveParameters, joints: np.ndarray | None = None) -> Array:
         """Return the weighted rotation error of each joint, shape=[B], which depends on its own parameters only.
 
         With the indices of some joints, shape=[J], the curve and the errors are theirs alone.

@@ -90,9 +90,7 @@ class Objective:
         """Score only the frames of the other segments."""
         return replace(self, scored=self._counts & ~np.isin(self._segment, segments))
 
-    def rotation_errors_by_joint(
-        self, curve: CurveParameters, effort: Effort = "thorough", joints: np.ndarray | None = None
-    ) -> Array:
+    def rotation_errors_by_joint(self, curve: CurveParameters, joints: np.ndarray | None = None) -> Array:
         """Return the weighted mean rotation error of each joint, radians, shape=[B], each with a minimum of its own.
 
         With the indices of some joints, shape=[J], the curve and the errors are theirs alone.
@@ -100,8 +98,7 @@ class Objective:
         truth, weights = self.animation.rotations, self._weights
         if joints is not None:
             truth, weights = truth[:, joints], weights[:, joints]
-        is_remembered = effort == "thorough" and joints is None
-        rotations = self._rotations(curve) if is_remembered else self._rebuilt(curve, effort, joints)
+        rotations = self._rotations(curve) if joints is None else self._rebuilt(curve, joints)
         return (weights * _smooth(quat.distance(truth, rotations))).sum(axis=0)
 
     def rotation_errors_and_gradient(self, curve: CurveParameters, joints: np.ndarray) -> tuple[Array, Array]:
@@ -182,10 +179,10 @@ class Objective:
 
     def _rotations(self, curve: CurveParameters) -> Array:
         """Return the rotations of a thoroughly searched curve, shape=[F, B, 4]; not to be written to."""
-        return self._memory.recall(curve, lambda part, joints: self._rebuilt(part, "thorough", joints))
+        return self._memory.recall(curve, self._rebuilt)
 
-    def _rebuilt(self, curve: CurveParameters, effort: Effort, joints: np.ndarray | None = None) -> Array:
-        return self._spline(curve, effort, joints)(self._segment, self._fraction)
+    def _rebuilt(self, curve: CurveParameters, joints: np.ndarray | None = None) -> Array:
+        return self._spline(curve, "thorough", joints)(self._segment, self._fraction)
 
     def _spline(self, curve: CurveParameters, effort: Effort, joints: np.ndarray | None = None) -> PoseSpline:
         keys, sides = self._keys, curve.metric.is_right.astype(np.intp)
