@@ -1,6 +1,7 @@
 """Packed motion from strangers: a sentence or the right motion."""
 
 import base64
+import zlib
 
 import numpy as np
 import pytest
@@ -12,6 +13,9 @@ from usd_tools.pack import PackOptions, pack
 from usd_tools.skel.clip import read_clip
 from usd_tools.skel.find import find_animations
 from usd_tools.skel.packed import PACKED
+
+_PREFIX = 6
+"""Bytes of version, check and fingerprint."""
 
 
 @pytest.fixture(scope="module")
@@ -102,6 +106,30 @@ def test_damage_is_refused_or_harmless(stage):
             assert PACKED in str(error)
         else:
             assert np.array_equal(before, after)
+
+
+@pytest.mark.slow
+def test_forged_streams_are_refused_or_are_motion(stage):
+    """Mutations whose checksum is made right again reach the decoder: a sentence, or finite motion, and soon."""
+    rng, stream = np.random.default_rng(1), bytearray(stream_of(stage))
+    n_read = 0
+    for _ in range(2000):
+        forged = bytearray(stream)
+        for _ in range(rng.integers(1, 4)):
+            forged[rng.integers(_PREFIX, len(forged))] = rng.integers(0, 256)
+        forged = forged[: rng.integers(_PREFIX, len(forged) + 1)] if rng.random() < 0.2 else forged
+        check = zlib.crc32(forged[_PREFIX:]) & 0xFFFFFF
+        forged[1:4] = check.to_bytes(3, "little")
+        put(stage, Sdf.ValueTypeNames.UCharArray, Vt.UCharArray.FromNumpy(np.frombuffer(bytes(forged), np.uint8)))
+        try:
+            clip = read_clip(find_animations(stage)[0])
+        except ToolError as error:
+            assert str(error).startswith(ANIMATION) and str(error).endswith(".")
+        else:
+            n_read += 1
+            assert all(np.isfinite(channel.values.astype(float)).all() for channel in clip.channels.values())
+            assert (np.diff(clip.codes) > 0.0).all()
+    assert n_read > 100
 
 
 def test_new_samples_in_the_same_layer_do_not_break_reading(stage):
