@@ -48,10 +48,10 @@ def run(request, capsys):
         live,
         metric,
         resample,
-        pack,
         study,
-        unpack,
         to_bvh,
+        pack,
+        unpack,
     )
     verbs = {module.__name__.rpartition(".")[2]: module for module in modules}
 
