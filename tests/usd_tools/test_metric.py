@@ -164,6 +164,12 @@ def test_what_is_refused(tmp_path, refuse, rig, learned):
     )
     assert refuse("metric", "set", rig, "--alpha", 2, exit_code=2) == "name the output with -o/--out."
     assert "leg matches no joint" in refuse("metric", "set", rig, *out, "--preset", "soft", "--joint", "leg:alpha=2")
+    slerp = refuse("metric", "set", rig, *out, "--scheme", "slerp", "--alpha", 2)
+    assert slerp.endswith(
+        "the scheme slerp has no metric; leave out --alpha, or use --scheme geodesic or geodesic-spline."
+    )
+    tension = refuse("metric", "set", rig, *out, "--preset", "slerp", "--tension", 1)
+    assert "the scheme geodesic has no tension" in tension
     assert "stores no metric" in refuse("metric", "copy", rig, learned, *out)
     assert "stores no metric" in refuse("metric", "export", rig, "-o", tmp_path / "m.json")
     assert "must end in .json" in refuse("metric", "export", learned, "-o", tmp_path / "m.usda")

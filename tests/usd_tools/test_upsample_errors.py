@@ -251,7 +251,9 @@ def test_metric(tmp_path, clip, refused):
     sentence = refused(clip, *out, "--metric", "stored")
     assert sentence == f"{ANIMATION} stores no metric; leave --metric out, or choose the animation with --prim."
     sentence = refused(clip, *out, "--metric", tmp_path / "no.json")
-    assert sentence == "--metric no.json: there is no such file; use stored, identity, learn or a JSON file."
+    assert (
+        sentence == "--metric no.json: there is no such file; use stored, identity, learn, a JSON file or a USD file."
+    )
     (tmp_path / "bad.json").write_text("{")
     assert refused(clip, *out, "--metric", tmp_path / "bad.json").startswith("--metric bad.json: This is not JSON: ")
     (tmp_path / "binary.json").write_bytes(b"\xff\xfe\x00")

@@ -29,6 +29,7 @@ from usd_tools.skel.stored_metric import stored_metric
 from usd_tools.skel.writer import AnimationLayer
 from usd_tools.styling.options import MetricOptions
 from usd_tools.styling.result import TOOL, AnimationMetric, MetricResult
+from usd_tools.upsampling.clips import check_styles_count
 from usd_tools.upsampling.metric import apply_styles, check_styles, choose_metrics
 from usd_tools.upsampling.options import StyleOptions
 
@@ -131,8 +132,14 @@ def _set(
     clips = [clip for clip in map(read_clip, sources) if clip.joints]
     if not clips:
         raise ToolError(f"{path} has no animation with joints, so there is nothing that a metric is for.")
+    metrics = _metrics(path, clips, options, messages)
+    check_styles_count(options, clips, metrics)
+    return clips, metrics
+
+
+def _metrics(path: Path, clips: Sequence[SkelClip], options: MetricOptions, messages: Messages) -> list[LearnedMetric]:
     if options.preset is None:
-        return clips, [each.metric for each in choose_metrics(path, clips, options, messages)]
+        return [each.metric for each in choose_metrics(path, clips, options, messages)]
     edits = _edits(options.preset)
     check_styles(options.styles, clips)
     base = StyleOptions(metric=options.metric)
@@ -141,7 +148,7 @@ def _set(
     for clip, metric in zip(clips, metrics, strict=True):
         metric = replace(reduce(edited_metric, edits, metric), quality="")
         styled.append(apply_styles(clip, metric, options))
-    return clips, styled
+    return styled
 
 
 def _edits(preset: str | Path) -> Sequence[Edit]:

@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 
 from geomstats_anim import LearnedMetric
-from geomstats_anim.names import DEFAULT_SCHEME, LEARNABLE, LEARNED
+from geomstats_anim.names import DEFAULT_SCHEME, LEARNABLE, LEARNED, WITH_METRIC
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.libraries.files import LibraryFile
 from usd_tools.skel.clip import SkelClip, read_clips
 from usd_tools.skel.find import AnimationSource
 from usd_tools.skel.resampling import without_cuts
 from usd_tools.upsampling.metric import ChosenMetric
-from usd_tools.upsampling.options import CurveOptions
+from usd_tools.upsampling.options import CurveOptions, StyleOptions
 
 MAX_ROTATIONS = 1 << 27
 """More than these are taken for a slip of the finger: 2 GiB of quaternions."""
@@ -101,21 +101,32 @@ def check_schemes(options: CurveOptions, clips: Sequence[SkelClip], metrics: Seq
     ------
     ToolError
     """
-    # A scheme may be stored with a metric, and then be asked for by its name.
-    words = _STYLES if options.scheme is None else ("metric", *_STYLES)
-    given = [f"--{word.replace('_', '-')}" for word in words if getattr(options, word) not in (None, ())]
     for clip, chosen in zip(clips, metrics, strict=True):
         if chosen.metric.scheme == LEARNED and chosen.library is None:
             raise ToolError(
                 f"{clip.path}: the metric names the scheme {LEARNED}, which needs {_library_of(chosen.metric)}; give "
                 f"it as --library, or choose --scheme {DEFAULT_SCHEME}."
             )
-        if given and not chosen.is_used:
+    check_styles_count(options, clips, [chosen.metric for chosen in metrics])
+
+
+def check_styles_count(options: StyleOptions, clips: Sequence[SkelClip], metrics: Sequence[LearnedMetric]) -> None:
+    """Refuse options about a metric that the scheme, asked for or stored, does not have.
+
+    Raises
+    ------
+    ToolError
+    """
+    # A scheme may be stored with a metric, and then be asked for by its name.
+    words = _STYLES if options.scheme is None else ("metric", *_STYLES)
+    given = [f"--{word.replace('_', '-')}" for word in words if getattr(options, word) not in (None, ())]
+    for clip, metric in zip(clips, metrics, strict=True):
+        if given and metric.scheme not in WITH_METRIC:
             raise ToolError(
-                f"{clip.path}: the scheme {chosen.metric.scheme} has no metric; leave out {', '.join(given)}, or use "
+                f"{clip.path}: the scheme {metric.scheme} has no metric; leave out {', '.join(given)}, or use "
                 f"--scheme {' or '.join(LEARNABLE)}."
             )
-        if chosen.metric.scheme == "geodesic" and any(style.has_tension for style in options.styles):
+        if metric.scheme == "geodesic" and any(style.has_tension for style in options.styles):
             raise ToolError(
                 f"{clip.path}: the scheme geodesic has no tension; leave out tensions, or use --scheme geodesic-spline."
             )

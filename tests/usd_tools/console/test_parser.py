@@ -54,8 +54,8 @@ def test_unknown_options_are_named_before_what_they_leave_missing(usage_error, v
         (
             "upsample",
             ["--scheme", "geodsic"],
-            "--scheme: must be constant, linear, slerp, squad, rotation-spline, geodesic or geodesic-spline, not "
-            "'geodsic'; did you mean geodesic?",
+            "--scheme: must be constant, linear, slerp, squad, rotation-spline, geodesic, geodesic-spline or "
+            "learned, not 'geodsic'; did you mean geodesic?",
         ),
         (
             "upsample",
