@@ -145,6 +145,7 @@ def test_another_rig_and_another_axis_are_refused(folder, tmp_path, capsys):
         (["--library", "-o", "x.inbetween"], 2, "--library needs --purpose predict"),
         ([*LEARN, "-o", "x.usda"], 2, "--library needs an --out that ends in .inbetween"),
         ([*LEARN, "-o", "x.inbetween", "--kind", "rot"], 2, "--kind is for a metric"),
+        ([*LEARN, "-o", "x.inbetween", "--cpus", "2"], 2, "--cpus is for Ray, and --library learns in this process"),
     ],
 )
 def test_options_of_learn_that_do_not_go_together_are_refused(
