@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from geomstats_anim.codec.bytestream import StreamError
 from geomstats_anim.kernels import binary_coder as kernel
 from geomstats_anim.kernels.context_coder import code
 from geomstats_anim.kernels.contexts import Lattice
@@ -21,8 +22,15 @@ def encode(lattice: Lattice) -> bytes:
 
 
 def decode(payload: bytes, lattice: Lattice) -> None:
-    """Write the integers of `payload` into a lattice whose integers are all zero."""
-    code(_new_model(lattice, np.frombuffer(payload, dtype=np.uint8).copy(), True), lattice)
+    """Write the integers of `payload` into a lattice whose integers are all zero.
+
+    Raises
+    ------
+    StreamError
+        If the payload ends before the integers do.
+    """
+    if not code(_new_model(lattice, np.frombuffer(payload, dtype=np.uint8).copy(), True), lattice):
+        raise StreamError("The stream ends too early; it is damaged or cut off.")
 
 
 def _new_model(lattice: Lattice, stream: np.ndarray, decoding: bool) -> kernel.Model:

@@ -20,8 +20,8 @@ __all__ = ["Channel", "Header", "Segment", "StreamError", "fingerprint", "read_s
 
 VERSION = 1
 MOST_FRAMES = 2**22
-MOST_NUMBERS = 2**27
-"""Frames times groups of three channels at most, so that a stream of strangers cannot ask for more memory."""
+MOST_NUMBERS = 2**23
+"""Frames times groups of three channels at most, so that strangers cannot ask for more memory than half a GiB."""
 
 _PREFIX = struct.Struct("<B3sH")
 _TRANSLATIONS, _SCALES, _CHANNELS = 1, 2, 4

@@ -60,6 +60,12 @@ LEARNING = 20
 FIRST_WEIGHT = 9830
 """Of every context at the beginning, in 1 / 65536."""
 
+TRIMMED = 4
+"""Zeros that are left out at the end of a stream, at most."""
+
+BEYOND = 4 + TRIMMED
+"""Bytes that a decoder may read behind the end of a stream."""
+
 # positions in the state of the coder
 LOW, HIGH, CODE, AT = 0, 1, 2, 3
 
@@ -171,7 +177,8 @@ def finish(coder, stream):
                 stream[coder[AT]] = (kept >> (24 - 8 * i)) & 0xFF
                 coder[AT] += 1
             break
-    n = coder[AT]
-    while n > 0 and stream[n - 1] == 0:
-        n -= 1
-    return n
+    length = coder[AT]
+    for _ in range(TRIMMED):
+        if length > 0 and stream[length - 1] == 0:
+            length -= 1
+    return length

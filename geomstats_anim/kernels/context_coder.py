@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from geomstats_anim.kernels.binary_coder import AT, CODE, EVEN, decide_at
+from geomstats_anim.kernels.binary_coder import AT, BEYOND, CODE, EVEN, decide_at
 from geomstats_anim.kernels.compilation import compiled, inlined
 from geomstats_anim.kernels.context_priors import ANY, LONGER, MORE, NONZERO, USED
 from geomstats_anim.kernels.contexts import above_of, activity_class, neighbours
@@ -26,10 +26,10 @@ def few(n):
 
 
 @compiled
-def code_triple(model, lattice, band, k, group, crowd):
+def code_triple(model, lattice, sums, band, k, group, crowd):
     """Code the three integers of a group; return the sum of their sizes."""
     q, level = lattice.integers, min(len(lattice.bands) - 2 - band, 7)
-    before, coarser, family = around_triple(q, lattice.bands, lattice.parents, band, k, group)
+    before, coarser, family = around_triple(sums, lattice.bands, lattice.parents, band, k, group)
     busy = activity_class(before, coarser, 0, family)
     is_any = q[k, group, 0] != 0 or q[k, group, 1] != 0 or q[k, group, 2] != 0
     near = (few(before) * 6 + few(coarser)) * 8 + level
@@ -54,13 +54,15 @@ def code_triple(model, lattice, band, k, group, crowd):
 
 
 @inlined
-def around_triple(q, bands, parents, band, k, group):
-    """Return the sums over components of `neighbours`: before in time, coarser, parent joint."""
-    before, coarser, family = 0, 0, 0
-    for c in range(3):
-        sizes = neighbours(q, bands, parents, band, k, group, c)
-        before, coarser, family = before + sizes[0], coarser + sizes[1], sizes[3]
-    return before, coarser, family
+def around_triple(sums, bands, parents, band, k, group):
+    """Return sums over components of what `neighbours` gives: before in time, coarser, parent joint."""
+    first, up = bands[band], above_of(bands, band, k)
+    before = 2 * sums[k - 1, group] if k > first else 0
+    before += sums[k - 2, group] if k > first + 1 else 0
+    coarser = 2 * sums[up, group] if up >= 0 else 0
+    coarser += sums[up + 1, group] if up >= 0 and up + 1 < first else 0
+    above = parents[group]
+    return before, coarser, sums[k, above] if above >= 0 else 0
 
 
 @compiled
@@ -196,6 +198,8 @@ def code_scaling(model, lattice, k, group, c):
 def code(model, lattice):
     """Code all integers, from coarse to fine; what is decoded is written into `lattice.integers`.
 
+    Returns False, at once, where a stream that is decoded has ended long before its integers.
+
     Parameters
     ----------
     model : Model
@@ -208,9 +212,12 @@ def code(model, lattice):
             model.coder[CODE] = (model.coder[CODE] << 8) | (model.stream[i] if i < len(model.stream) else 0)
         model.coder[AT] = 4
     is_used = np.ones(n_groups, dtype=np.int64)
+    sums = np.zeros((len(q), n_groups), dtype=np.int64)  # of the sizes in each group
     for band in range(len(bands) - 1):
         code_used(model, lattice, band, is_used)
         for k in range(bands[band], bands[band + 1]):
+            if model.decoding and model.coder[AT] > len(model.stream) + BEYOND:
+                return False
             crowd = 0
             for group in range(n_groups):
                 if not is_used[group]:
@@ -218,8 +225,11 @@ def code(model, lattice):
                 if band == 0:
                     for c in range(3):
                         code_scaling(model, lattice, k, group, c)
+                        sums[k, group] += abs(q[k, group, c])
                 else:
-                    crowd += code_triple(model, lattice, band, k, group, crowd)
+                    sums[k, group] = code_triple(model, lattice, sums, band, k, group, crowd)
+                    crowd += sums[k, group]
+    return True
 
 
 @compiled

@@ -1,10 +1,14 @@
 """Entropy coding: integers return, whatever they are, and take about as many bits as they are worth."""
 
+import contextlib
+import zlib
+
 import motions
 import numpy as np
 import pytest
 
 from geomstats_anim.codec import entropy
+from geomstats_anim.codec.bytestream import StreamError
 from geomstats_anim.codec.lattice import Layout, Steps, new_lattice
 
 
@@ -47,7 +51,17 @@ def test_sparse_integers_take_their_entropy():
     assert len(entropy.encode(filled)) < 1.12 * bits / 8
 
 
-def test_any_bytes_decode_to_integers():
+def test_any_bytes_decode_or_end_too_early():
     rng, empty = np.random.default_rng(0), lattice()
     for n in range(40):
-        entropy.decode(rng.bytes(n), empty._replace(integers=np.zeros_like(empty.integers)))
+        with contextlib.suppress(StreamError):
+            entropy.decode(rng.bytes(n), empty._replace(integers=np.zeros_like(empty.integers)))
+    with pytest.raises(StreamError, match="too early"):
+        entropy.decode(b"\xa7" * 4, lattice(2000, 30))
+
+
+def test_bytes_are_the_same_everywhere():
+    filled = lattice(48, 4)
+    place = np.arange(filled.integers.size, dtype=np.int64).reshape(filled.integers.shape)
+    filled.integers[:] = np.where(place * 7919 % 97 < 12, place * 31 % 23 - 11, 0)
+    assert zlib.crc32(entropy.encode(filled)) == 3579287940
