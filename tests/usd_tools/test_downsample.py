@@ -533,5 +533,5 @@ def test_broken_source_time_codes(tmp_path, clip, run, refuse):
 def test_summary_is_on_the_skeleton(tmp_path, clip, run):
     assert run("downsample", clip, "-o", tmp_path / "sparse.usda", "--keys", "6")[0] == 0
     stage = Usd.Stage.Open(str(tmp_path / "sparse.usda"))
-    summary = stage.GetPrimAtPath(SKELETON).GetAttribute("userProperties:geodesicMetric").Get()
+    summary = stage.GetPrimAtPath(SKELETON).GetAttribute("userProperties:geodesicMetricSummary").Get()
     assert summary.startswith("geodesic-spline, 3 joints")

@@ -307,7 +307,7 @@ def test_skeletons_carry_the_summary(tmp_path, clip, learned):
     learned(clip, "-o", tmp_path / "out.usda")
     stage = Usd.Stage.Open(str(tmp_path / "out.usda"))
     skeleton = stage.GetPrimAtPath(SKELETON)
-    assert skeleton.GetAttribute("userProperties:geodesicMetric").Get().startswith("geodesic-spline, 3 joints")
+    assert skeleton.GetAttribute("userProperties:geodesicMetricSummary").Get().startswith("geodesic-spline, 3 joints")
 
 
 @pytest.mark.parametrize("width", [60, 80, 200])

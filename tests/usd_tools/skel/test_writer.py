@@ -253,7 +253,7 @@ def test_one_animation_drives_two_skeletons(tmp_path, run):
     assert upsample(run, tmp_path / "in.usda", tmp_path / "out.usda") == ""
     new = Usd.Stage.Open(str(tmp_path / "out.usda"))
     for path in (SKELETON, "/Rig/Twin"):
-        summary = new.GetPrimAtPath(path).GetAttribute("userProperties:geodesicMetric").Get()
+        summary = new.GetPrimAtPath(path).GetAttribute("userProperties:geodesicMetricSummary").Get()
         assert summary.startswith("geodesic-spline, 3 joints")
     UsdGeom.Xformable(stage.GetPrimAtPath("/Rig/Twin")).AddScaleOp().Set(Gf.Vec3f(2.0))
     stage.Save()
