@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import tempfile
 from collections.abc import Sequence
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -53,7 +54,8 @@ def clip_bytes_numpy(clip: SkelClip, metric: LearnedMetric | None) -> int:
 def _metric_arrays(metric: LearnedMetric | None) -> list[np.ndarray]:
     if metric is None:
         return []
-    values = (*vars(metric).values(), *vars(metric.parameters).values())
+    # fields, not all that is kept with them for speed
+    values = [getattr(each, field.name) for each in (metric, metric.parameters) for field in fields(each)]
     # the scheme says that there is no tension
     arrays = [value for value in values if isinstance(value, np.ndarray) and value.any()]
     return [array.astype(np.float32) for array in arrays] + [metric.parameters.is_right]
