@@ -51,7 +51,10 @@ def refuses(run, *arguments):
 
 
 @pytest.mark.filterwarnings("ignore")
-@pytest.mark.parametrize("name", ESTIMATORS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.slow) if name == "GeodesicRegression" else name for name in ESTIMATORS],
+)
 def test_an_estimator_is_as_its_row_says(name):
     poses = problem()
     assert (name in HERE) == (ROWS[name] == "here")

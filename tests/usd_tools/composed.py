@@ -7,6 +7,7 @@ from functools import cache
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdSkel, UsdValidation
 from rigs import make_rig, random_rotations, set_samples
 
+SCHEMA = "GeodesicMetricAPI"
 OURS = ("geodesicMetric:", "userProperties:geodesicMetric")
 CHANNELS = ("rotations", "translations", "scales", "blendShapeWeights")
 
@@ -31,7 +32,9 @@ def _everything(stage, written):
         metadata.get("customData", {}).pop("geodesicMetric", None)
         if not metadata.get("customData"):
             metadata.pop("customData", None)
-        found[path] = sorted((key, str(value)) for key, value in metadata.items())
+        metadata.pop("apiSchemas", None)
+        applied = [name for name in prim.GetAppliedSchemas() if name != SCHEMA]
+        found[path] = [*sorted((key, str(value)) for key, value in metadata.items()), applied]
         skipped = written if prim.IsA(UsdSkel.Animation) else ()
         for name in prim.GetAuthoredPropertyNames():
             if name not in skipped and not name.startswith(OURS):

@@ -75,7 +75,7 @@ def some(quick, everything):
 
 @pytest.mark.parametrize(
     ("name", "n_kills"),
-    [("out.usdc", 6), ("in place", 6), *(pytest.param(name, 25, marks=pytest.mark.slow) for name in WAYS)],
+    [("in place", 6), *(pytest.param(name, 25, marks=pytest.mark.slow) for name in WAYS)],
 )
 def test_killed_at_any_moment(tmp_path, zygote, name, n_kills):
     source, out, call = call_of(name, tmp_path)

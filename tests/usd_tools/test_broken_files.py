@@ -73,7 +73,7 @@ def test_output_that_openusd_cannot_read_again(tmp_path, refuse, monkeypatch):
     assert sentence.startswith("out.usda could not be read back: out.usda:")
 
 
-@pytest.mark.parametrize("inputs", [60, pytest.param(10_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("inputs", [20, pytest.param(10_000, marks=pytest.mark.slow)])
 def test_thousands_of_broken_files(inputs):
     """Never a traceback, a hang, a file left behind or a changed input; what OpenUSD itself dies of is told apart."""
     command = [sys.executable, "-m", "tests.fuzz", "--inputs", str(inputs)]

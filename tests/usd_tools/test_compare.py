@@ -173,6 +173,7 @@ def test_files(folder):
     assert not [path for path in folder.parent.iterdir() if path.name.startswith(".")]
 
 
+@pytest.mark.slow
 def test_same_input_same_bytes(folder, run):
     again = folder.with_name("again")
     assert run("compare", folder.parent / "clips" / "one.usda", "-o", again, *WORDS)[0] == 0

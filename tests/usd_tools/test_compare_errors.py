@@ -113,7 +113,12 @@ def test_out_with_a_manifest_of_others(tmp_path, clip, refused, manifest):
     assert sentence == "--out out holds manifest.json, which usd_tools.compare did not write; choose another name."
 
 
-@pytest.mark.parametrize("place", ["notes.txt", "usd/in/notes.txt", "figures/deep/er/notes.txt", "usd/link"])
+OTHER_PLACES = ("notes.txt", "figures/deep/er/notes.txt", "usd/link")
+
+
+@pytest.mark.parametrize(
+    "place", ["usd/in/notes.txt", *(pytest.param(each, marks=pytest.mark.slow) for each in OTHER_PLACES)]
+)
 def test_files_of_others_in_any_depth_stay(tmp_path, clip, run, refused, place):
     words = ["compare", clip, "-o", tmp_path / "out", "--rates", ".4", "--schemes", "slerp"]
     assert run(*words)[0] == 0

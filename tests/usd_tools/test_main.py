@@ -79,6 +79,7 @@ def test_help_and_usage_errors_are_light(verb):
         assert heavy_after(f"from usd_tools.__main__ import main; main({[verb, *arguments]})") == set()
 
 
+@pytest.mark.slow
 def test_numba_still_finds_blas():
     code = (
         "import geomstats_anim.kernels.compilation, numba, numpy as np; f = numba.njit(lambda a: np.cov(a) + a @ a);"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,7 +13,9 @@ from usd_tools.console.errors import ToolError
 from usd_tools.console.text import short_names
 from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip
-from usd_tools.skel.xforms import XformOp
+
+if TYPE_CHECKING:
+    from usd_tools.skel.xforms import XformOp
 
 NEAR = 5.0
 """Degrees by which the worst joint of what is nearly a loop may miss."""
@@ -73,8 +76,8 @@ def find_loop(clip: SkelClip) -> Loop | None:
     if not len(moves):
         return None
     first, second, last_but_one, last = normalize(channel.values[[0, 1, -2, -1]][:, moves].astype(np.float64))
-    seam = quat.difference(last, first)
-    beside = 0.5 * (quat.difference(first, second) + quat.difference(last_but_one, last))
+    seam = _turns(last, first)
+    beside = 0.5 * (_turns(first, second) + _turns(last_but_one, last))
     misses = {True: np.linalg.norm(seam, axis=-1), False: np.linalg.norm(seam - beside, axis=-1)}
     closed = bool(misses[True].max() <= misses[False].max())
     worst = int(np.argmax(misses[closed]))
@@ -83,6 +86,15 @@ def find_loop(clip: SkelClip) -> Loop | None:
         for frames in np.array_split(np.arange(len(channel.codes)), 1 + len(channel.codes) // 1024)
     )
     return Loop(closed, clip.joints[moves[worst]], float(np.degrees(misses[closed][worst])), float(np.degrees(away)))
+
+
+def _turns(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Return `quat.difference` in plain NumPy: inspect is too short for loading compiled code."""
+    vector = left[..., 3:] * right[..., :3] - right[..., 3:] * left[..., :3] - np.cross(left[..., :3], right[..., :3])
+    cosine = (left * right).sum(axis=-1, keepdims=True)
+    sine = np.linalg.norm(vector, axis=-1, keepdims=True)
+    angle = 2.0 * np.arctan2(sine, np.abs(cosine))
+    return np.asarray(np.copysign(angle / np.where(sine > 0.0, sine, 1.0), cosine) * vector)
 
 
 def closed_cycle(clip: SkelClip) -> tuple[SkelClip, Loop]:

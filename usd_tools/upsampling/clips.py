@@ -5,18 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomstats_anim import LearnedMetric
 from geomstats_anim.names import DEFAULT_SCHEME, LEARNABLE, LEARNED, WITH_METRIC
 from usd_tools.console.errors import Messages, ToolError
-from usd_tools.libraries.files import LibraryFile
 from usd_tools.skel.clip import SkelClip, read_clips
 from usd_tools.skel.find import AnimationSource
 from usd_tools.skel.resampling import without_cuts
 from usd_tools.upsampling.metric import ChosenMetric
 from usd_tools.upsampling.options import CurveOptions, StyleOptions
+
+if TYPE_CHECKING:
+    from usd_tools.libraries.files import LibraryFile
 
 MAX_ROTATIONS = 1 << 27
 """More than these are taken for a slip of the finger: 2 GiB of quaternions."""
@@ -91,7 +94,11 @@ def read_library(options: CurveOptions) -> LibraryFile | None:
     ToolError
         If it cannot be read, or is broken.
     """
-    return None if options.library is None else LibraryFile.read(options.library)
+    if options.library is None:
+        return None
+    from usd_tools.libraries.files import LibraryFile
+
+    return LibraryFile.read(options.library)
 
 
 def check_schemes(options: CurveOptions, clips: Sequence[SkelClip], metrics: Sequence[ChosenMetric]) -> None:

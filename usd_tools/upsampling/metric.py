@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from geomstats_anim import LearnedMetric
-from geomstats_anim.learning.library.motion_library import MotionLibrary
 from geomstats_anim.names import DEFAULT_SCHEME, LEARNABLE, LEARNED, SCHEME_NAMES, WITH_METRIC
 from geomstats_anim.strict_json import read_text
 from usd_tools.console.errors import Messages, ToolError
@@ -15,12 +15,15 @@ from usd_tools.console.progress import ProgressCallback
 from usd_tools.console.text import did_you_mean, short_names
 from usd_tools.files.paths import EXTENSIONS, extension
 from usd_tools.files.stages import open_stage
-from usd_tools.libraries.files import LibraryFile
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.find import find_animations
 from usd_tools.skel.stored_metric import stored_metric
 from usd_tools.upsampling.joint_styles import Style, styled, unmatched
 from usd_tools.upsampling.options import StyleOptions
+
+if TYPE_CHECKING:
+    from geomstats_anim.learning.library.motion_library import MotionLibrary
+    from usd_tools.libraries.files import LibraryFile
 
 LEARNING_RATE = 0.5
 """Share of samples that are keys when a clip teaches itself: twice the spacing, and the only one near it with truth."""

@@ -72,6 +72,7 @@ def test_several_clips():
     assert found.provenance["score"] < found.provenance["slerp_score"]
 
 
+@pytest.mark.slow
 def test_predicting_what_a_metric_made_keeps_the_metric():
     hidden = metric(1, sides="left")
     truth = wandering(1, n_frames=81)
@@ -90,6 +91,7 @@ def test_predicting_noise_gives_the_identity():
     np.testing.assert_array_equal(found.parameters.matrices[factors == 0.0] - np.eye(3), 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["geodesic", "geodesic-spline"])
 def test_predicting_from_a_fit_is_the_same(scheme):
     fitted = learn_metric(wandering(), KEYS, scheme=scheme, kind="rot")

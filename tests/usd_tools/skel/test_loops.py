@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 from pxr import Gf, Usd, UsdGeom
-from rigs import ANIMATION, make_rig, read
+from rigs import ANIMATION, make_rig, random_rotations, read
 
 from geomstats_anim import rotations as quat
+from usd_tools.skel import loops
 
 N = 24
 
@@ -108,3 +109,9 @@ def test_inspect_says_by_how_much_a_loop_misses(tmp_path, run, inspected, refuse
     assert inspected(tmp_path / "half.usda")["animations"][0]["loop"] is None
     sentence = refuse("upsample", tmp_path / "half.usda", "-o", tmp_path / "x.usda", "--factor", 2, "--loop")
     assert sentence.startswith(f"{ANIMATION} is not a loop: joint ")
+
+
+def test_turns_in_plain_numpy_are_those_of_the_kernel():
+    left, right = quat.normalize(random_rotations(200, 2).astype(np.float64)).swapaxes(0, 1)
+    for other in (right, -right, left, -left):
+        np.testing.assert_allclose(loops._turns(left, other), quat.difference(left, other), atol=1e-14)
