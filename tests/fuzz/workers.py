@@ -12,10 +12,11 @@ import signal
 import tempfile
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
-from pxr import Usd
+from pxr import Tf, Usd
 
 from tests.fuzz.trial import Outcome, Trial, Trials, perform
 
@@ -107,7 +108,7 @@ def run(trials: Trials, numbers: list[int], n_workers: int, told: Callable[[Tria
             hung.append(number)
             waiting.append([number])  # others may keep the machine busy
             return
-        where = _slow_alone(trials[number]) if stopped else line
+        where = _slow_alone(trials[number]) if stopped else line or _dies_alone(trials[number])
         how = f"hangs for {PATIENCE:g} s" if stopped else f"dies of signal {ended_by}"
         told(trials[number], Outcome("USD" if where else "failed", f"{how}; in OpenUSD: {where or 'not for sure'}"))
 
@@ -140,8 +141,14 @@ def _slow_alone(trial: Trial) -> str:
     """Tell whether most of a command's time is OpenUSD's: both run again, the better of two times."""
     if not trial.suffix.startswith(".usd"):
         return ""
-    alone, whole = (min(_seconds(partial(job, trial)) for _ in range(2)) for job in (_read, perform))
+    alone, whole = (min(_alone(partial(job, trial))[1] for _ in range(2)) for job in (_read, perform))
     return f"alone it takes {alone:.1f} of {whole:.1f} s" if alone > 0.5 * whole else ""
+
+
+def _dies_alone(trial: Trial) -> str:
+    """Tell whether OpenUSD dies of a file by itself: of an error that it calls fatal it leaves no line of Python."""
+    ended_by = _alone(partial(_read, trial))[0] if trial.suffix.startswith(".usd") else 0
+    return f"alone it dies of signal {ended_by}" if ended_by else ""
 
 
 def _read(trial: Trial, folder: Path) -> None:
@@ -149,14 +156,17 @@ def _read(trial: Trial, folder: Path) -> None:
     path = folder / trial.name
     path.write_bytes(trial.data)
     stage = Usd.Stage.Open(str(path))
-    for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate)):
-        for attribute in prim.GetAttributes():
-            [attribute.Get(code) for code in (*attribute.GetTimeSamples(), Usd.TimeCode.Default())]
+    with suppress(Tf.ErrorException):
+        for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate)):
+            for attribute in prim.GetAttributes():
+                [attribute.Get(code) for code in (*attribute.GetTimeSamples(), Usd.TimeCode.Default())]
+    with suppress(Tf.ErrorException):
+        stage.GetRootLayer().Export(str(folder / "layer.usda"))
     stage.Flatten().Export(str(folder / "plain.usda"))
 
 
-def _seconds(job: Callable[[Path], object]) -> float:
-    """Do something in a process and a folder of its own; seconds of the processor until it ends or is stopped."""
+def _alone(job: Callable[[Path], object]) -> tuple[int, float]:
+    """Do something in a process and a folder of its own; its signal, and seconds of the processor until it ended."""
     with tempfile.TemporaryDirectory() as folder:
         pid = os.fork()
         if pid == 0:
@@ -166,8 +176,8 @@ def _seconds(job: Callable[[Path], object]) -> float:
                 job(Path(folder))
             finally:
                 os._exit(0)
-        _, _, usage = os.wait4(pid, 0)
-    return usage.ru_utime + usage.ru_stime
+        _, status, usage = os.wait4(pid, 0)
+    return os.WTERMSIG(status), usage.ru_utime + usage.ru_stime
 
 
 def _limit() -> None:

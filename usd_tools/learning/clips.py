@@ -112,7 +112,11 @@ def _stretches(clip: SkelClip) -> list[Animation]:
     """Return the stretches of an animation, at the samples of its rotations."""
     names = [name for name, channel in clip.channels.items() if channel.is_animated]
     sampled = np.isin(clip.codes, clip.channels["rotations"].codes)
-    return [keys.at_frames(np.flatnonzero(sampled[span])) for span, keys in sampled_together(clip).stretches(names)]
+    try:
+        stretches = list(sampled_together(clip).stretches(names))
+    except ValueError as error:
+        raise ToolError(f"{clip.path} cannot be learned from: {error}") from error
+    return [keys.at_frames(np.flatnonzero(sampled[span])) for span, keys in stretches]
 
 
 def rig_difference(clip: TrainingClip, first: TrainingClip) -> str | None:
