@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -64,7 +65,8 @@ def parse_json(text: str) -> Any:
     try:
         document = json.loads(text, parse_constant=_refuse, parse_float=_finite)
     except json.JSONDecodeError as error:
-        raise ValueError(f"This is not JSON: {error}.") from error
+        # whichever is met first depends on the version of Python
+        raise ValueError(_TOO_DEEP if _is_deep(text) else f"This is not JSON: {error}.") from error
     except RecursionError:
         raise ValueError(_TOO_DEEP) from None
     _check_depth(document)
@@ -120,6 +122,15 @@ def _check_depth(document: Any) -> None:
         level = [value for values in inner if not isinstance(values, _PLAIN) for value in values]
     if not all(isinstance(value, _PLAIN) for value in level):
         raise ValueError(_TOO_DEEP)
+
+
+def _is_deep(text: str) -> bool:
+    depth = 0
+    for bracket in re.findall(r"[][{}]", re.sub(r'"(?:[^"\\]|\\.)*"', "", text)):
+        depth += 1 if bracket in "[{" else -1
+        if depth > DEEPEST:
+            return True
+    return False
 
 
 def _refuse(word: str) -> Any:

@@ -22,6 +22,18 @@ def test_depth():
                 parse_json(text)
 
 
+@pytest.mark.parametrize("text", ["[" * 1000, "[" * (DEEPEST + 1), '["[",' + "[" * DEEPEST])
+def test_depth_of_what_does_not_end(text):
+    with pytest.raises(ValueError, match="nested more than 32 levels deep"):
+        parse_json(text)
+
+
+@pytest.mark.parametrize("text", ["[" * DEEPEST, '["' + "[" * 100 + r'\"[[",', "[]" * 40])
+def test_what_does_not_end_and_is_not_deep(text):
+    with pytest.raises(ValueError, match="This is not JSON: "):
+        parse_json(text)
+
+
 @pytest.mark.parametrize("text", ["NaN", "[Infinity]", '{"a": -Infinity}', "1e999", "[-1e400]"])
 def test_numbers_that_are_not_finite(text):
     with pytest.raises(ValueError, match="which is not a finite number"):
