@@ -28,7 +28,7 @@ ROOT = Path(__file__).resolve().parents[1]
 CLIPS = ROOT.parent / "shared" / "data" / "clips"
 sys.path.insert(0, str(ROOT))
 
-from geomstats_anim import SCHEMES  # noqa: E402
+from geomstats_anim.names import OWN_SCHEMES  # noqa: E402
 from usd_tools import compare  # noqa: E402
 from usd_tools.comparison.options import RATES  # noqa: E402
 
@@ -110,7 +110,7 @@ def named(cells: Sequence[Cell]) -> str:
 def in_sample(q: Quality, cells: Sequence[Cell]) -> list[Line]:
     """Lines of what is fitted to the clip that it rebuilds."""
     lines = [no_worse(q, "geodesic", "slerp", cells), no_worse(q, SPD, "geodesic", cells)]
-    ratios = {c: q[OURS][c] / min(q[word][c] for word in SCHEMES if c in q[word]) for c in cells if c in q[OURS]}
+    ratios = {c: q[OURS][c] / min(q[word][c] for word in OWN_SCHEMES if c in q[word]) for c in cells if c in q[OURS]}
     best = [cell for cell, ratio in ratios.items() if ratio <= TIE]
     others = [cell for cell in cells if cell not in best]
     where = f"; not: {named(others)}" if others else ""
@@ -146,7 +146,7 @@ def out_of_sample(q: Quality, cells: Sequence[Cell]) -> list[Line]:
             complete and ratios[worst] <= 1.03,
         ),
     ]
-    means = {word: float(np.mean(list(against_peers(q, list(ratios), word).values()))) for word in SCHEMES}
+    means = {word: float(np.mean(list(against_peers(q, list(ratios), word).values()))) for word in OWN_SCHEMES}
     best = min(means, key=lambda word: means[word])
     lines.append(Line("unseen: best single choice", OURS, f"{best} ({100 * (means[best] - 1):+.2f} %)", best == OURS))
     return lines
@@ -211,7 +211,7 @@ def main(argv: list[str] | None = None) -> int:
             make_long(folder / "long.usdc", CLIPS / "pitching.usda", 300)
             one = timed([folder / "long.usdc"], folder / "one", workers)
         out = arguments.keep or folder / "five"
-        five = timed(paths, out, [*workers, "--schemes", *SCHEMES])
+        five = timed(paths, out, [*workers, "--schemes", *OWN_SCHEMES])
         spd = timed(paths, folder / "spd", [*workers, "--schemes", SPD])
         rows = json.loads((out / "results.json").read_text())["rows"]
         rows += json.loads((folder / "spd" / "results.json").read_text())["rows"]
@@ -231,9 +231,9 @@ def main(argv: list[str] | None = None) -> int:
     rates = [f"{rate:g}" for rate in RATES]
     learned = [SPD, "geodesic, fitted", f"{SPD}, fitted", f"{OURS}, fitted"]
     title = "Q_hyb as a share of slerp's, mean over clips, in-sample"
-    print_table(console, title, ["scheme", *rates], shares(seen, [*SCHEMES, SPD]), arguments.markdown)
+    print_table(console, title, ["scheme", *rates], shares(seen, [*OWN_SCHEMES, SPD]), arguments.markdown)
     title = "Q_hyb as a share of slerp's, mean over clips, out of sample"
-    print_table(console, title, ["scheme", *rates], shares(unseen, [*SCHEMES, *learned]), arguments.markdown)
+    print_table(console, title, ["scheme", *rates], shares(unseen, [*OWN_SCHEMES, *learned]), arguments.markdown)
     title = f"Out of sample, {OURS} as a share of the best of {', '.join(PEERS)}: predict / fitted freely"
     print_table(console, title, ["clip", *rates], beside_peers(unseen, clips, cells), arguments.markdown)
     bars = [[line.what, line.bar, line.figure, line.verdict] for line in lines]
