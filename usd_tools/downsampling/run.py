@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from pxr import Usd
@@ -19,7 +18,7 @@ from usd_tools.files.atomic import write_json
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_unheard, usd_warnings
 from usd_tools.files.paths import check_output, same_file
 from usd_tools.files.stages import describe_dependencies, open_stage, stage_path
-from usd_tools.skel.clip import read_clips, variant_notes
+from usd_tools.skel.clip import read_clips
 from usd_tools.skel.edit_target import EditTargetLayer
 from usd_tools.skel.find import AnimationSource, find_animations, select_animations
 from usd_tools.skel.output import Output
@@ -123,10 +122,7 @@ def _downsampled(
     hides_variants: bool = True,
 ) -> list[DownsampledClip]:
     found = []
-    for clip in read_clips(sources, messages):
-        if not hides_variants:
-            hidden = variant_notes(clip)
-            clip = replace(clip, notes=tuple(note for note in clip.notes if note not in hidden))
+    for clip in read_clips(sources, messages, hides_variants):
         found.append(downsample_clip(path, clip, options, messages, SearchProgress(progress, None)))
     clips = [each for each in found if each is not None]
     if not clips:

@@ -38,6 +38,12 @@ def open_stage(path: Path) -> Usd.Stage:
         return Usd.Stage.Open(str(path))
 
 
+def is_binary(path: Path) -> bool:
+    """Return whether a file is a usdc, whatever its name says."""
+    with path.open("rb") as file:
+        return file.read(8) == b"PXR-USDC"
+
+
 def export_layer(layer: Sdf.Layer, path: Path, usd_format: str | None = None, check: bool = False) -> None:
     """Write a layer to a file.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from pxr import Usd
@@ -13,11 +12,11 @@ from usd_tools.console.progress import ProgressCallback
 from usd_tools.files.atomic import write_json
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_unheard, usd_warnings
 from usd_tools.files.paths import extension
-from usd_tools.files.stages import describe_dependencies, open_stage, stage_path
+from usd_tools.files.stages import describe_dependencies, is_binary, open_stage, stage_path
 from usd_tools.packing.encode import PackedClip, pack_clip, verified
 from usd_tools.packing.options import PackOptions
 from usd_tools.packing.result import PACK, PackedAnimation, PackResult
-from usd_tools.skel.clip import read_clips, variant_notes
+from usd_tools.skel.clip import read_clips
 from usd_tools.skel.edit_target import EditTargetLayer
 from usd_tools.skel.find import AnimationSource, find_animations, select_animations
 from usd_tools.skel.output import Output
@@ -112,10 +111,7 @@ def _packed(
     hides_variants: bool = True,
 ) -> list[PackedClip]:
     found = []
-    for clip in read_clips(sources, messages):
-        if not hides_variants:
-            hidden = variant_notes(clip)
-            clip = replace(clip, notes=tuple(note for note in clip.notes if note not in hidden))
+    for clip in read_clips(sources, messages, hides_variants):
         found.append(pack_clip(clip, options, messages, progress))
     clips = [each for each in found if each is not None]
     if not clips:
@@ -127,8 +123,7 @@ def _is_text(path: Path, options: PackOptions) -> bool:
     """Return whether a file that is written is text."""
     if extension(path) == ".usd":
         if options.in_place and not options.flatten:
-            with open(path, "rb") as file:
-                return file.read(8) != b"PXR-USDC"
+            return not is_binary(path)
         return options.usd_format == "usda"
     return extension(path) == ".usda"
 

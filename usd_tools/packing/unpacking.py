@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from pxr import Usd
@@ -15,7 +14,7 @@ from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
 from usd_tools.files.stages import describe_dependencies, open_stage, stage_path
 from usd_tools.packing.options import UnpackOptions
 from usd_tools.packing.result import UNPACK, UnpackedAnimation, UnpackResult
-from usd_tools.skel.clip import SkelClip, read_clips, variant_notes
+from usd_tools.skel.clip import SkelClip, read_clips
 from usd_tools.skel.edit_target import EditTargetLayer
 from usd_tools.skel.find import AnimationSource, find_animations, select_animations
 from usd_tools.skel.output import Output
@@ -87,13 +86,10 @@ def _packed(path: Path, everyone: list[AnimationSource], options: UnpackOptions)
 
 
 def _unpacked(sources: Sequence[AnimationSource], messages: Messages, hides_variants: bool = True) -> list[SkelClip]:
-    clips = []
-    for clip in read_clips(sources, messages):
-        hidden = [] if hides_variants else variant_notes(clip)
-        notes = tuple(note for note in clip.notes if note not in hidden)
-        for note in notes:
+    clips = read_clips(sources, messages, hides_variants)
+    for clip in clips:
+        for note in clip.notes:
             messages.warn(note)
-        clips.append(replace(clip, notes=notes))
     return clips
 
 

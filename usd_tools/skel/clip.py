@@ -249,7 +249,7 @@ class SkelClip:
         return values / self.world_scale if name == "translations" else values
 
 
-def read_clips(sources: Sequence[AnimationSource], messages: Messages) -> list[SkelClip]:
+def read_clips(sources: Sequence[AnimationSource], messages: Messages, hides_variants: bool = True) -> list[SkelClip]:
     """Read animations; one of several that is broken is named, and left as it is.
 
     Parameters
@@ -257,6 +257,9 @@ def read_clips(sources: Sequence[AnimationSource], messages: Messages) -> list[S
     sources : sequence of AnimationSource
     messages : Messages
         Told of those that are broken.
+    hides_variants : bool
+        False where what is written goes into the chosen variants: no note says then that it hides the others.
+        Optional, default: True.
 
     Returns
     -------
@@ -272,7 +275,9 @@ def read_clips(sources: Sequence[AnimationSource], messages: Messages) -> list[S
     errors: list[ToolError] = []
     for source in sources:
         try:
-            clips.append(read_clip(source))
+            clip = read_clip(source)
+            hidden = () if hides_variants else _variant_notes(clip)
+            clips.append(replace(clip, notes=tuple(note for note in clip.notes if note not in hidden)))
         except ToolError as error:
             errors.append(error)
     if not clips:
@@ -438,7 +443,7 @@ def _binding_notes(clip: SkelClip) -> list[str]:
     ]
 
 
-def variant_notes(clip: SkelClip) -> list[str]:
+def _variant_notes(clip: SkelClip) -> list[str]:
     """Return notes on the variants that samples written over an animation hide."""
     if not clip.is_animated:
         return []
@@ -450,7 +455,7 @@ def variant_notes(clip: SkelClip) -> list[str]:
 
 def _composition_notes(clip: SkelClip) -> list[str]:
     """Return notes on what samples that are written over an animation hide."""
-    return variant_notes(clip) + [
+    return _variant_notes(clip) + [
         f"{clip.path}: {name} come from value clips; the samples in the output override them."
         for name, channel in clip.channels.items()
         if channel.source == VALUE_CLIPS

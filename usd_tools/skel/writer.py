@@ -18,7 +18,7 @@ from usd_tools.files.openusd_errors import TEMPORARY
 from usd_tools.files.openusd_gaps import flatten_stage, modify_asset_paths
 from usd_tools.files.packages import pack, unpack
 from usd_tools.files.paths import extension, relative_asset_path
-from usd_tools.files.stages import export_layer
+from usd_tools.files.stages import export_layer, is_binary
 from usd_tools.metrics.attributes import (
     NAMESPACE,
     SOURCE_CODES,
@@ -303,10 +303,9 @@ def save_in_place(override: OverrideLayer, source: Path, verify: Verify | None =
     ToolError
         If it cannot be written.
     """
-    with open(source, "rb") as file:
-        is_binary = file.read(8) == b"PXR-USDC"
+    binary = is_binary(source)
     with written_beside(source, verify) as beside:
-        usd_format = ("usdc" if is_binary else "usda") if extension(source) == ".usd" else None
+        usd_format = ("usdc" if binary else "usda") if extension(source) == ".usd" else None
         export_layer(override.layer, beside, usd_format, check=True)
 
 
