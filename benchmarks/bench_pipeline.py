@@ -1,4 +1,4 @@
-"""How exact the verbs of a pipeline are: rates, filters, cycles, and BVH there and back.
+"""Measure how exact the verbs of a pipeline are: rates, filters, cycles, and BVH there and back.
 
     python benchmarks/bench_pipeline.py
 

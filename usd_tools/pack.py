@@ -174,7 +174,7 @@ def parser(prog: str = PROG) -> ArgumentParser:
         "--effort",
         choices=EFFORTS,
         default=EFFORTS[0],
-        help="full (the default), or fast: a tenth of the time, larger files",
+        help="full (the default), or fast: half of the time or less, larger files",
     )
     add_prim(parse)
     add_output(parse)

@@ -1,4 +1,4 @@
-"""What the notebooks share: an example clip as an animation, and skeletons as lines."""
+"""Pieces that the notebooks share: an example clip as an animation, and skeletons as lines."""
 
 from __future__ import annotations
 

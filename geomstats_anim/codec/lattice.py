@@ -1,4 +1,4 @@
-"""What the integers of a packed motion stand for: groups of channels, and their steps."""
+"""Meaning of the integers of a packed motion: groups of channels, and their steps."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from geomstats_anim.rotations import Array, multiply, rotate
 
 STEPS_PER_OCTAVE = 4
 _SMALLEST_STEP = 2.0**-30
-"""What step code 0 stands for, in metres, or in units of a channel."""
+"""Step of code 0, in metres, or in units of a channel."""
 
 _COARSER, _COARSEST = 1.15, 1.2
-"""What steps grow by from each band to the next coarser, and those of scaling coefficients for every level."""
+"""Growth of steps from each band to the next coarser, and those of scaling coefficients for every level."""
 
 LARGEST_CODE = 60 * STEPS_PER_OCTAVE
 

@@ -21,7 +21,7 @@ _CLOSE = 0.97
 
 
 class Effort(NamedTuple):
-    """How long to search.
+    """Limits of a search.
 
     Attributes
     ----------

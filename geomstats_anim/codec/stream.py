@@ -67,7 +67,7 @@ class Segment(NamedTuple):
 
 
 class Header(NamedTuple):
-    """What holds for all segments."""
+    """Facts that hold for all segments."""
 
     times: Array
     has_translations: bool

@@ -42,7 +42,7 @@ _IMAGES = np.concatenate([2.0 * np.eye(3) - 1.0, np.ones((1, 3))])
 
 
 class CutPoints(NamedTuple):
-    """What becomes of geodesics on their way.
+    """Places where geodesics cease to be the shortest.
 
     Attributes
     ----------

@@ -47,7 +47,7 @@ class PackOptions(OutputOptions):
         Seconds of the pieces that can be unpacked alone.
         Optional, default: one piece.
     effort : str
-        "full", or "fast" for a tenth of the time and larger files.
+        "full", or "fast" for half of the time or less and larger files.
         Optional, default: "full".
     """
 
