@@ -98,8 +98,10 @@ def test_spd_is_no_worse_than_diagonal_nor_diagonal_than_slerp(invariance, kind)
     assert spd <= diagonal <= slerp_value(objective)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize(
+    "kind", [each if each == "rot" else pytest.param(each, marks=pytest.mark.slow) for each in KINDS]
+)
+@pytest.mark.parametrize("seed", [pytest.param(0, marks=pytest.mark.slow), 1])
 def test_more_choice_of_sides_is_no_worse(seed, kind):
     objective = Objective(wandering(seed), KEYS, kind)
     left, right, clip, joint = (

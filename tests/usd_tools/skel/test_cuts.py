@@ -266,7 +266,15 @@ def test_keys_stay_bit_for_bit(tmp_path, run):
 
 
 @needs_shared
-@pytest.mark.parametrize("pattern", ["clips/*.usda", "usd/*.usd*", "library/01/*.usdc", "library/bandai/*_001.usdc"])
+@pytest.mark.parametrize(
+    "pattern",
+    [
+        "clips/*.usda",
+        "usd/*.usd*",
+        "library/01/*.usdc",
+        pytest.param("library/bandai/*_001.usdc", marks=pytest.mark.slow),
+    ],
+)
 def test_real_motion_is_not_cut(pattern):
     for path in sorted(SHARED.glob(pattern)):
         for source in find_animations(open_stage(path)):
