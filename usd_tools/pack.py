@@ -176,6 +176,9 @@ def parser(prog: str = PROG) -> ArgumentParser:
         default=EFFORTS[0],
         help="full (the default), or fast: half of the time or less, larger files",
     )
+    parse.add_argument(
+        "--no-xforms", action="store_true", help="leave the transforms that move a character as a whole as they are"
+    )
     add_prim(parse)
     add_output(parse)
     parse.add_argument("--report", metavar="FILE", type=Path, help="write bytes and errors as JSON")

@@ -25,7 +25,6 @@ from usd_tools.skel.find import find_animations, select_animations
 from usd_tools.skel.joint_names import unique
 from usd_tools.skel.output import check_report
 from usd_tools.skel.resampling import animation_of
-from usd_tools.skel.skeleton import world_matrices
 
 EVEN = 1e-2
 """Share of a frame by which samples may be off."""
@@ -162,7 +161,7 @@ def _placements(clip: SkelClip, codes: np.ndarray, options: ToBvhOptions) -> tup
     stage = clip.source.stage
     turn, move = np.tile(quat.IDENTITY, (len(codes), 1)), np.zeros((len(codes), 3))
     if clip.source.rig:
-        matrices = world_matrices(clip.source.rig[0], codes)
+        matrices = clip.world_matrices(codes)
         sizes = np.cbrt(np.linalg.det(matrices[:, :3, :3]))
         linear = matrices[:, :3, :3].swapaxes(1, 2) / np.where(sizes > 0.0, sizes, 1.0)[:, None, None]
         is_rigid = sizes.min() > 0.0 and np.abs(linear @ linear.swapaxes(1, 2) - np.eye(3)).max() <= RIGID

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,17 +11,20 @@ from pxr import Usd
 
 from geomstats_anim.codec import ExtraChannel, pack
 from geomstats_anim.markers import Markers
+from geomstats_anim.rotations import Array
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.progress import Progress, ProgressCallback
 from usd_tools.packing.errors import Errors
 from usd_tools.packing.frames import Frames
 from usd_tools.packing.options import PackOptions
+from usd_tools.packing.transforms import Transforms, ops_to_pack
 from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip, read_clip
 from usd_tools.skel.find import find_animations
-from usd_tools.skel.packed import WEIGHTS, PackedMotion, unpacked_channels
+from usd_tools.skel.packed import WEIGHTS, PackedMotion
 from usd_tools.skel.skin import skin_markers
-from usd_tools.skel.xforms import find_xform_ops
+from usd_tools.skel.unpacked import unpacked_channels
+from usd_tools.skel.xforms import XformOp
 
 _ROUNDING = 1e-2
 """Share of a tolerance that is left to the rounding of what is read, at most."""
@@ -44,8 +47,10 @@ class PackedClip:
         The source.
     frames : Frames
         What is packed.
+    ops : sequence of XformOp
+        Transforms among it.
     preview : dict of str to Channel
-        Samples of the packed attributes that stay for viewers.
+        Samples of the packed attributes and transforms that stay for viewers.
     stream : bytes
     markers : Markers
         What the tolerance is about.
@@ -58,6 +63,7 @@ class PackedClip:
 
     clip: SkelClip
     frames: Frames
+    ops: Sequence[XformOp]
     preview: dict[str, Channel]
     stream: bytes
     markers: Markers
@@ -97,23 +103,23 @@ def pack_clip(
         raise ToolError(
             f"{clip.path} has no skeleton, so --tolerance cannot be measured; bind it to its skeleton, and pack then."
         )
-    for op in find_xform_ops(clip.source).ops:
-        messages.warn(
-            f"{op.attribute.GetPath()} keeps its {len(op.channel.codes)} samples: transforms above a skeleton are not "
-            "packed."
-        )
-    frames = Frames.of(clip)
+    ops = [] if options.no_xforms else ops_to_pack(clip, messages)
+    frames = Frames.of(clip, ops)
+    transforms = Transforms(frames, ops)
     preview = frames.preview(options.preview)
     markers, skin = _markers(clip, frames, options)
     margin = min(_ROUNDING_METRES, _ROUNDING * options.metres)
     tolerance, scales = options.metres - margin, _SCALES
     for _ in range(_ATTEMPTS):
-        stream = _packed(frames, options, tolerance, scales, skin, progress)
-        errors = Errors.of(frames, _read_back(frames, preview, stream), markers)
+        moved = transforms.channels(transforms.share * tolerance, markers)
+        joints = (1.0 - transforms.share) * tolerance
+        stream = _packed(frames, options, joints, scales, skin, moved, progress)
+        channels, columns = _read_back(frames, preview, stream)
+        errors = Errors.of(frames, channels, markers, transforms.placements(columns) if ops else None)
         over = _over(errors, options)
         if over <= 1.0:
             skeletons = tuple(str(prim.GetPath()) for prim in clip.source.skeletons)
-            return PackedClip(clip, frames, preview, stream, markers, errors, clip.path, skeletons)
+            return PackedClip(clip, frames, ops, preview, stream, markers, errors, clip.path, skeletons)
         tolerance, scales = tolerance * (1.0 - 1e-4) / over, 0.5 * scales
     raise ToolError(
         f"{clip.path} cannot be packed within {options.tolerance:g} cm, but within {100.0 * errors.largest:.3g} cm; "
@@ -138,11 +144,12 @@ def _packed(
     tolerance: float,
     scales: float,
     skin: Markers | None,
+    moved: Mapping[str, ExtraChannel],
     progress: ProgressCallback | None,
 ) -> bytes:
     # times are time codes, which come back bit for bit
     animation, weights = replace(frames.animation, times=frames.codes), frames.weights_of(frames.moving)
-    channels = {}
+    channels = dict(moved)
     if weights is not None:
         rounding = float(np.finfo(np.float32).eps * np.abs(weights).max(initial=0.0))
         channels[WEIGHTS] = ExtraChannel(weights, max(options.weights_tolerance - rounding, rounding))
@@ -171,10 +178,13 @@ def _packed(
         raise ToolError(f"{frames.clip.path} cannot be packed with these options: {error}") from error
 
 
-def _read_back(frames: Frames, preview: dict[str, Channel], stream: bytes) -> dict[str, Channel]:
-    """Return the channels that a reader will find."""
-    in_file = replace(frames.clip, channels={**frames.clip.channels, **preview})
-    return unpacked_channels(in_file, PackedMotion(stream, frames.codes))
+def _read_back(
+    frames: Frames, preview: Mapping[str, Channel], stream: bytes
+) -> tuple[dict[str, Channel], dict[str, Array]]:
+    """Return the channels that a reader will find, and the columns of transforms."""
+    shown = {name: preview[name] for name in frames.moving}
+    in_file = replace(frames.clip, channels={**frames.clip.channels, **shown})
+    return unpacked_channels(in_file, PackedMotion(stream, frames.codes, True))
 
 
 def _over(errors: Errors, options: PackOptions) -> float:
@@ -212,7 +222,9 @@ def verified(stage: Usd.Stage, path: Path, clips: Sequence[PackedClip], options:
         source = next(
             source for source in sources if paths & {source.path, *(str(s.GetPath()) for s in source.skeletons)}
         )
-        errors = Errors.of(each.frames, read_clip(source).channels, each.markers)
+        read = read_clip(source)
+        placements = read.placements(each.frames.codes) if each.ops else None
+        errors = Errors.of(each.frames, read.channels, each.markers, placements)
         if _over(errors, options) > 1.0:
             raise ToolError(
                 f"{path}: {each.path} is unpacked only to within {100.0 * errors.largest:g} cm and weights to within "

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from geomstats_anim import Animation
 from geomstats_anim import rotations as quat
-from geomstats_anim.markers import Markers, joint_matrices, world_errors
+from geomstats_anim.markers import Markers, distances_between, joint_matrices
 from geomstats_anim.rotations import Array
 from usd_tools.packing.frames import Frames
 from usd_tools.skel.channels import Channel
@@ -37,9 +37,24 @@ class Errors(NamedTuple):
     weights: float | None
 
     @classmethod
-    def of(cls, frames: Frames, channels: Mapping[str, Channel], markers: Markers) -> Errors:
-        """Compare unpacked channels with those of the source."""
+    def of(
+        cls, frames: Frames, channels: Mapping[str, Channel], markers: Markers, placements: Array | None = None
+    ) -> Errors:
+        """Compare unpacked channels with those of the source.
+
+        Parameters
+        ----------
+        frames : Frames
+        channels : mapping of str to Channel
+        markers : Markers
+        placements : array-like, shape=[F, 3, 4]
+            Where unpacked transforms place the skeleton at all frames.
+            Optional, default: where the source has it.
+        """
         truth, ours = frames.animation, frames.animation_of({name: channels[name] for name in frames.moving})
+        if placements is not None:
+            truth, ours = replace(truth, world=frames.clip.placements(frames.codes)), replace(ours, world=placements)
+        placed = joint_matrices(ours), joint_matrices(truth)
         scales = weights = None
         if "scales" in frames.moving and truth.scales is not None and ours.scales is not None:
             scales = float(np.abs(ours.scales - truth.scales).max(initial=0.0))
@@ -47,9 +62,9 @@ class Errors(NamedTuple):
         if before is not None and after is not None:
             weights = float(np.abs(after - before).max(initial=0.0))
         return cls(
-            world_errors(ours, truth, markers),
+            distances_between(*placed, markers),
             np.degrees(quat.distance(truth.rotations, ours.rotations)),
-            _jitter(ours, truth),
+            _jitter(placed[0][..., 3] - placed[1][..., 3]),
             scales,
             weights,
         )
@@ -70,15 +85,10 @@ class Errors(NamedTuple):
         }
 
 
-def _jitter(ours: Animation, truth: Animation) -> float:
-    if truth.n_frames < 3 or not truth.n_joints:
+def _jitter(off: Array) -> float:
+    """Return the root mean square of the second difference of vectors, shape=[F, B, 3]."""
+    if off.shape[0] < 3 or not off.shape[1]:
         return 0.0
-    world = truth.world
-    places = [
-        joint_matrices(Animation(truth.skeleton, each.times, each.rotations, each.translations, each.scales, world))
-        for each in (ours, truth)
-    ]
-    off = places[0][..., 3] - places[1][..., 3]
     return float(np.sqrt((np.diff(off, 2, axis=0) ** 2).sum(axis=-1).mean()))
 
 

@@ -46,6 +46,9 @@ class PackOptions(OutputOptions):
     segment : float
         Seconds of the pieces that can be unpacked alone.
         Optional, default: one piece.
+    no_xforms : bool
+        Whether transforms that move a character as a whole keep their samples.
+        Optional, default: False, they are packed.
     effort : str
         "full", or "fast" for half of the time or less and larger files.
         Optional, default: "full".
@@ -57,6 +60,7 @@ class PackOptions(OutputOptions):
     weights_tolerance: float = option(WEIGHTS_TOLERANCE, positive_number)
     preview: int = option(0, preview_keys)
     segment: float | None = option(None, positive_number)
+    no_xforms: bool = option(False, bool)
     effort: str = option(EFFORTS[0], one_of(EFFORTS))
 
     def check(self) -> None:

@@ -135,12 +135,14 @@ def _write(layer: AnimationLayer, clips: Sequence[PackedClip], as_text: bool, me
         }
         layer.write_animation(
             each.clip.source,
-            each.preview,
+            {name: each.preview[name] for name in each.frames.moving},
             {**each.clip.missing, **constant},
             None,
             messages,
             packed=StoredStream(each.stream, as_text),
         )
+        for op in each.ops:
+            layer.write_op(op.attribute, each.preview[str(op.attribute.GetPath())])
 
 
 def _described(packed: PackedClip) -> PackedAnimation:
@@ -150,7 +152,7 @@ def _described(packed: PackedClip) -> PackedAnimation:
         packed.skeleton_paths,
         len(packed.frames.codes),
         len(packed.clip.joints),
-        tuple(packed.preview),
+        (*packed.frames.moving, *packed.frames.xforms),
         tuple(name for name in packed.clip.channels if name not in packed.preview),
         tuple(sorted(codes)),
         len(packed.stream),

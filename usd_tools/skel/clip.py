@@ -14,14 +14,16 @@ from geomstats_anim import Animation, Skeleton
 from geomstats_anim.names import repeated_name
 from geomstats_anim.rotations import IDENTITY, normalize
 from usd_tools.console.errors import Messages, ToolError
-from usd_tools.console.text import short_names
 from usd_tools.skel.blocks import frame_blocks
-from usd_tools.skel.channels import JOINT_CHANNELS, VALUE_CLIPS, Channel, read_channel, sampled_alike, step_pairs
-from usd_tools.skel.find import BINDING, AnimationSource, chosen_variants, find_binding
+from usd_tools.skel.channels import JOINT_CHANNELS, Channel, sampled_alike, step_pairs
+from usd_tools.skel.clip_channels import check_rotations, check_times, has_no_length, read_channels
+from usd_tools.skel.clip_notes import binding_notes, composition_notes, missing_note, variant_notes
+from usd_tools.skel.find import AnimationSource
 from usd_tools.skel.joint_names import names_note, read_names
-from usd_tools.skel.packed import PackedMotion, read_packed, unpacked_channels
+from usd_tools.skel.packed import PackedMotion, read_packed
 from usd_tools.skel.skeleton import BoundSkeleton, metres_per_unit, read_skeleton, world_matrices
 from usd_tools.skel.source_codes import stored_source_codes
+from usd_tools.skel.unpacked import unpack_motion, unpacked_stage
 
 
 class Stretch(NamedTuple):
@@ -206,11 +208,20 @@ class SkelClip:
         """Return whether lengths in the world are those of `skeleton` at all times."""
         if not self.source.rig:
             return True
-        matrices = world_matrices(self.source.rig[0], self.codes) / self._file_scale
+        matrices = self.world_matrices(self.codes) / self._file_scale
         if not np.isfinite(matrices).all():  # no place in the world: its own space is taken, which a note says
             return True
         linear = matrices[:, :3, :3]
         return np.allclose(linear @ linear.transpose(0, 2, 1), np.eye(3), rtol=0.0, atol=1e-6)
+
+    def world_matrices(self, codes: np.ndarray) -> np.ndarray:
+        """Read the matrices from the skeleton's space to the world, see `skeleton.world_matrices`."""
+        return world_matrices(self._placed.GetPrimAtPath(self.source.rig[0].GetPath()), codes)
+
+    @cached_property
+    def _placed(self) -> Usd.Stage:
+        """A stage on which the skeleton moves as a whole as it should: that of the file, unless this is packed."""
+        return unpacked_stage(self.source) if self.source.xforms else self.source.stage
 
     @property
     def _file_scale(self) -> float:
@@ -225,7 +236,7 @@ class SkelClip:
         """Return where the skeleton is in the world, shape=[K, 3, 4], see `Animation`; None if it is nowhere."""
         if not self.source.rig:
             return None
-        matrices = world_matrices(self.source.rig[0], codes).transpose(0, 2, 1)[:, :3] / self._file_scale
+        matrices = self.world_matrices(codes).transpose(0, 2, 1)[:, :3] / self._file_scale
         if not np.isfinite(matrices).all():
             return None
         return np.concatenate([matrices[..., :3], matrices[..., 3:] * self.world_scale], axis=-1)
@@ -235,8 +246,8 @@ class SkelClip:
         if name == "translations":
             return values * self.world_scale
         if name == "rotations":
-            # of joints that never move, see `_check_rotations`: OpenUSD shows them unturned
-            values[_has_no_length(values)] = IDENTITY
+            # of joints that never move, see `check_rotations`: OpenUSD shows them unturned
+            values[has_no_length(values)] = IDENTITY
             return normalize(values)
         return values
 
@@ -276,7 +287,7 @@ def read_clips(sources: Sequence[AnimationSource], messages: Messages, hides_var
     for source in sources:
         try:
             clip = read_clip(source)
-            hidden = () if hides_variants else _variant_notes(clip)
+            hidden = () if hides_variants else variant_notes(clip)
             clips.append(replace(clip, notes=tuple(note for note in clip.notes if note not in hidden)))
         except ToolError as error:
             errors.append(error)
@@ -308,11 +319,11 @@ def read_clip(source: AnimationSource) -> SkelClip:
     twice = repeated_name(joints)
     if twice is not None:
         raise ToolError(f"{source.path}: joint {twice} is listed twice in joints; repair the file.")
-    channels, notes = _read_channels(source, joints)
-    _check_rotations(source.path, joints, channels.get("rotations"))
+    channels, notes = read_channels(source, joints)
+    check_rotations(source.path, joints, channels.get("rotations"))
     rate = source.stage.GetTimeCodesPerSecond()
     for channel in channels.values():
-        _check_times(source.path, channel.codes, rate)
+        check_times(source.path, channel.codes, rate)
     packed = read_packed(source.prim, channels)
     bound = read_skeleton(source, joints, channels if packed is None else _at_all_frames(channels, packed))
     absent = [name for name in JOINT_CHANNELS if name not in channels and not _is_blocked(source.prim, name)]
@@ -330,17 +341,19 @@ def read_clip(source: AnimationSource) -> SkelClip:
         rate,
     )
     if packed is not None:
-        clip = replace(clip, channels={**channels, **unpacked_channels(clip, packed)})
+        unpacked = unpack_motion(clip, packed)
+        moved = replace(clip.source, xforms=unpacked.xforms)
+        clip = replace(clip, source=moved, channels={**channels, **unpacked.channels})
     stored = stored_source_codes(source.prim, clip.codes)
     if stored is not None:
         # The samples that are left say nothing of the gaps between them.
         clip = replace(clip, given_cuts=stored.cuts)
     notes += bound.notes
     if is_partly_authored and absent:
-        notes.append(_missing_note(clip, absent))
+        notes.append(missing_note(clip, absent))
     about_names = names_note(clip.source.rig[0] if clip.source.rig else source.prim)
     notes += [] if about_names is None else [about_names]
-    return replace(clip, notes=(*notes, *_binding_notes(clip), *_composition_notes(clip)))
+    return replace(clip, notes=(*notes, *binding_notes(clip), *composition_notes(clip)))
 
 
 def _at_all_frames(channels: Mapping[str, Channel], packed: PackedMotion) -> dict[str, Channel]:
@@ -349,53 +362,6 @@ def _at_all_frames(channels: Mapping[str, Channel], packed: PackedMotion) -> dic
         name: replace(channel, codes=packed.codes) if len(channel.codes) else channel
         for name, channel in channels.items()
     }
-
-
-def _read_channels(source: AnimationSource, joints: Sequence[str]) -> tuple[dict[str, Channel], list[str]]:
-    """Read what is authored, and say what cannot be read but need not stop the rest."""
-    prim, notes = source.prim, []
-    read = {name: read_channel(prim, name, len(joints)) for name in JOINT_CHANNELS}
-    channels = {name: channel for name, channel in read.items() if channel is not None}
-    if not joints and any(channel.is_animated for channel in channels.values()):
-        raise ToolError(f"{source.path} has samples, but no joints; author its joints.")
-    n_shapes = len(read_names(prim, "blendShapes"))
-    try:
-        weights = read_channel(prim, "blendShapeWeights", n_shapes) if n_shapes else None
-        if weights is not None:
-            channels["blendShapeWeights"] = weights
-    except ToolError as error:
-        # USD holds weights whose number changes; they cannot be interpolated, but need not keep the joints from it.
-        notes.append(f"{str(error).removesuffix('; repair the file.')}; the weights are left as they are.")
-    return channels, notes
-
-
-def _has_no_length(quaternions: np.ndarray) -> np.ndarray:
-    return np.linalg.norm(quaternions, axis=-1) < 1e-6
-
-
-def _check_rotations(path: str, joints: Sequence[str], channel: Channel | None) -> None:
-    """Refuse a quaternion of no length, but of joints that never move: there OpenUSD shows it, without a turn."""
-    if channel is None:
-        return
-    moves = ~channel.holds.all(axis=0)
-    zeros = np.argwhere(_has_no_length(channel.values[~channel.blocked].astype(np.float64)) & moves)
-    if len(zeros):
-        joint = short_names(joints)[joints[zeros[0][1]]]
-        raise ToolError(f"{path}: joint {joint} has a rotation that is a quaternion of length 0; repair the file.")
-
-
-def _check_times(path: str, codes: np.ndarray, rate: float) -> None:
-    """Refuse times that cannot be computed with."""
-    if not (np.isfinite(rate) and rate > 0.0):
-        raise ToolError(f"{path}: its stage has {rate:g} time codes per second; correct timeCodesPerSecond.")
-    with np.errstate(all="ignore"):
-        seconds = codes / rate
-        bad = ~np.isfinite(seconds) | ~(np.diff(seconds, prepend=-np.inf) > 0.0)
-    if bad.any():
-        raise ToolError(
-            f"{path}: time code {codes[bad][0]:g}, at {rate:g} per second, is not later than the sample before; "
-            "repair the file."
-        )
 
 
 def _is_blocked(prim: Usd.Prim, name: str) -> bool:
@@ -413,50 +379,3 @@ def _rest_values(bound: BoundSkeleton, names: Sequence[str]) -> dict[str, np.nda
         "scales": bound.rest_scales[columns],
     }
     return {name: rest[name] for name in names if name == "scales" or bound.has_rest}
-
-
-def _missing_note(clip: SkelClip, absent: Sequence[str]) -> str:
-    skeletons = clip.source.skeletons
-    of = f" of {skeletons[0].GetPath()}" if len(skeletons) > 1 else ""
-    done = f"written from the rest pose{of}" if len(clip.missing) == len(absent) else "not known without a skeleton"
-    return f"{clip.path} has no {' and no '.join(absent)}, so viewers show the rest pose; {done}."
-
-
-def _binding_notes(clip: SkelClip) -> list[str]:
-    """Return notes on a binding that OpenUSD ignores, and on an animation that has no joint of what it drives."""
-    joints, skeletons = clip.joints, clip.source.skeletons
-    notes = [
-        f"{binding.GetPath()} has skel:animationSource {binding.GetRelationship(BINDING).GetTargets()[0]}, but "
-        "SkelBindingAPI is not applied, so USD ignores it."
-        for binding in map(find_binding, clip.source.ignored)
-        if binding
-    ]
-    own = read_names(skeletons[0], "joints") if skeletons else ()
-    if not own or not joints or set(own) & set(joints):
-        return notes
-    names = short_names([*joints, *own])
-    others = ", ".join(names[joint] for joint in own[:3])
-    return [
-        *notes,
-        f"{clip.path} has no joint of {skeletons[0].GetPath()}, which it drives, so nothing moves in viewers; "
-        f"{names[joints[0]]} is not one of {others}{'' if len(own) <= 3 else ' and others'}.",
-    ]
-
-
-def _variant_notes(clip: SkelClip) -> list[str]:
-    """Return notes on the variants that samples written over an animation hide."""
-    if not clip.is_animated:
-        return []
-    return [
-        f"{clip.path} is of the variant {variant}; the output overrides its other variants."
-        for variant in chosen_variants(clip.source.prim)
-    ]
-
-
-def _composition_notes(clip: SkelClip) -> list[str]:
-    """Return notes on what samples that are written over an animation hide."""
-    return _variant_notes(clip) + [
-        f"{clip.path}: {name} come from value clips; the samples in the output override them."
-        for name, channel in clip.channels.items()
-        if channel.source == VALUE_CLIPS
-    ]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from pxr import Sdf, Usd, UsdSkel
 
 from usd_tools.console.errors import ToolError
+from usd_tools.skel.channels import Channel
 
 BINDING = "skel:animationSource"
 """Relationship of a skeleton, or of an ancestor, to the animation that drives it."""
@@ -28,12 +29,15 @@ class AnimationSource:
         The skeletons that it drives; none for an animation of a library.
     ignored : tuple of Usd.Prim
         Skeletons whose `skel:animationSource` names it, but does not count: SkelBindingAPI is not applied.
+    xforms : mapping of str to Channel
+        Transform ops whose samples are packed with it, unpacked, by the paths of their attributes.
     """
 
     stage: Usd.Stage
     prims: tuple[Usd.Prim, ...]
     skeletons: tuple[Usd.Prim, ...]
     ignored: tuple[Usd.Prim, ...] = ()
+    xforms: Mapping[str, Channel] = field(default_factory=dict, compare=False)
 
     @property
     def prim(self) -> Usd.Prim:

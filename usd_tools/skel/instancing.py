@@ -53,11 +53,16 @@ def editable_paths(layer: Layer, source: AnimationSource, messages: Messages) ->
     if source.skeletons and not any(_is_bound_inside(skeleton) for skeleton in source.skeletons):
         return [_moved_outside(layer, source)]
     for prim in source.prims:
-        for path in prim.GetPath().GetPrefixes():
-            if source.stage.GetPrimAtPath(path).IsInstance():
-                layer.prim(path).SetInfo("instanceable", False)
-                messages.warn(f"{path} is no longer an instance, so that its animation can be changed.")
+        give_up_instances(layer, prim, messages)
     return [prim.GetPath() for prim in source.prims]
+
+
+def give_up_instances(layer: Layer, prim: Usd.Prim, messages: Messages) -> None:
+    """Have the instances that a prim is in be instances no longer, so that opinions on it count."""
+    for path in prim.GetPath().GetPrefixes():
+        if prim.GetStage().GetPrimAtPath(path).IsInstance():
+            layer.prim(path).SetInfo("instanceable", False)
+            messages.warn(f"{path} is no longer an instance, so that its animation can be changed.")
 
 
 def _instance_root(prim: Usd.Prim) -> Usd.Prim:

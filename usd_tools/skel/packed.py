@@ -4,18 +4,13 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Mapping
-from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from pxr import Sdf, Usd, Vt
 
-from geomstats_anim.rotations import Array
 from usd_tools.console.errors import ToolError
-from usd_tools.skel.channels import CHANNELS, JOINT_CHANNELS, Channel, held
-
-if TYPE_CHECKING:
-    from usd_tools.skel.clip import SkelClip
+from usd_tools.skel.channels import CHANNELS, Channel
 
 PACKED = "geomstatsAnim:packed"
 """Custom uniform uchar[] of a SkelAnimation, or string in base85 (RFC 1924) where the file is text: its motion, packed.
@@ -35,10 +30,13 @@ class PackedMotion(NamedTuple):
     stream : bytes
     codes : array-like, shape=[F]
         Time codes of its frames, on the stage.
+    has_others : bool
+        Whether it holds more than joints.
     """
 
     stream: bytes
     codes: np.ndarray
+    has_others: bool
 
 
 class StoredStream(NamedTuple):
@@ -82,6 +80,11 @@ def is_packed(prim: Usd.Prim) -> bool:
     return PACKED in strongest.attributes
 
 
+def packed_layer(prim: Usd.Prim) -> Sdf.Layer:
+    """Return the layer that the packed motion of a SkelAnimation comes from."""
+    return next(spec.layer for spec in prim.GetPrimStack() if PACKED in spec.attributes)
+
+
 def _has_samples(spec: Sdf.PrimSpec) -> bool:
     return any(
         name in spec.attributes and spec.layer.GetNumTimeSamplesForPath(spec.attributes[name].path) for name in CHANNELS
@@ -113,16 +116,17 @@ def read_packed(prim: Usd.Prim, channels: Mapping[str, Channel]) -> PackedMotion
 
     stream = _read_stream(prim)
     try:
-        codes = read_stream(stream)[0].times
+        header = read_stream(stream)[0]
     except StreamError as error:
         raise ToolError(f"{prim.GetPath()}: {PACKED} cannot be read: {error}") from error
+    codes = header.times
     sampled = [channel.codes for channel in channels.values() if len(channel.codes)]
     if not len(codes) or not sampled or not (np.isfinite(codes).all() and (np.diff(codes) > 0.0).all()):
         raise ToolError(
             f"{prim.GetPath()}: {PACKED} needs increasing times, and samples of the prim at the first and the last of "
             "them; pack the source again."
         )
-    return PackedMotion(stream, _on_stage(codes, np.concatenate(sampled)))
+    return PackedMotion(stream, _on_stage(codes, np.concatenate(sampled)), bool(header.channels))
 
 
 def _read_stream(prim: Usd.Prim) -> bytes:
@@ -146,54 +150,3 @@ def _on_stage(codes: np.ndarray, samples: np.ndarray) -> np.ndarray:
     moved = first + (codes - codes[0]) * stretch
     moved[-1] = last
     return moved
-
-
-def unpacked_channels(clip: SkelClip, packed: PackedMotion) -> dict[str, Channel]:
-    """Decode the attributes that packed motion holds: those that have samples in the file.
-
-    Parameters
-    ----------
-    clip : SkelClip
-        As it is in the file.
-    packed : PackedMotion
-
-    Returns
-    -------
-    channels : dict of str to Channel
-        Value blocks are where the file has them.
-
-    Raises
-    ------
-    ToolError
-        If the stream is damaged, or of another skeleton.
-    """
-    from geomstats_anim.codec import StreamError, unpack, unpack_channels
-
-    try:
-        animation = unpack(packed.stream, clip.skeleton)
-        others = unpack_channels(packed.stream, clip.skeleton) if WEIGHTS in clip.channels else {}
-    except StreamError as error:
-        raise ToolError(f"{clip.path}: {PACKED} cannot be read: {error}") from error
-    found = {}
-    for name, channel in clip.channels.items():
-        if not len(channel.codes):
-            continue
-        if name in JOINT_CHANNELS:
-            if name == "scales" and animation.scales is None:
-                values: Array = np.ones((len(packed.codes), len(clip.joints), 3))
-            else:
-                values = clip.to_file_units(name, animation)
-        elif name in others and others[name].shape[1] == channel.values.shape[1]:
-            values = others[name][..., None]
-        else:
-            raise ToolError(f"{clip.path}: {PACKED} does not hold {name}; pack the source again.")
-        found[name] = _at_frames(channel, packed.codes, values)
-    return found
-
-
-def _at_frames(channel: Channel, codes: np.ndarray, values: Array) -> Channel:
-    """Return a channel with other values where it is not blocked."""
-    shown = held(channel, codes)
-    values = values[np.isin(codes, shown.codes)].astype(channel.values.dtype)
-    values[shown.blocked] = 0
-    return replace(shown, values=values, source=f"{PACKED} of {channel.source}")

@@ -6,7 +6,6 @@ import numpy as np
 from pxr import UsdGeom
 
 from usd_tools.skel.clip import SkelClip
-from usd_tools.skel.skeleton import world_matrices
 
 
 def vertical(clip: SkelClip) -> np.ndarray:
@@ -14,6 +13,6 @@ def vertical(clip: SkelClip) -> np.ndarray:
     up = np.eye(3)[1 if UsdGeom.GetStageUpAxis(clip.source.stage) == UsdGeom.Tokens.y else 2]
     if not clip.source.rig:
         return up
-    in_skeleton = world_matrices(clip.source.rig[0], clip.codes[:1])[0, :3, :3] @ up
+    in_skeleton = clip.world_matrices(clip.codes[:1])[0, :3, :3] @ up
     length = np.linalg.norm(in_skeleton)
     return np.asarray(in_skeleton / length) if np.isfinite(length) and length > 0.0 else up

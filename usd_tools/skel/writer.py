@@ -27,13 +27,14 @@ from usd_tools.metrics.attributes import (
     write_source_codes,
 )
 from usd_tools.metrics.strings import carriers, write_strings
-from usd_tools.skel.channels import CHANNELS, Channel, write_samples, write_values
+from usd_tools.skel.channels import CHANNELS, Channel, write_samples
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.euler_angles import write_euler
 from usd_tools.skel.find import AnimationSource
-from usd_tools.skel.instancing import editable_paths
+from usd_tools.skel.instancing import editable_paths, give_up_instances
 from usd_tools.skel.packed import StoredStream, remove_packed, write_packed
 from usd_tools.skel.replaced import home_of, replaced_samples
+from usd_tools.skel.unpacked import write_op
 
 MADE_BY = "geomstats_anim"
 """Key of `customLayerData` that says what made a file."""
@@ -133,6 +134,8 @@ class AnimationLayer:
                 write_packed(spec, *packed)
             elif channels:
                 remove_packed(spec, source.prim)
+            if packed is not None or channels:
+                self._write_unpacked_xforms(source, path, messages)
             if euler is not None and "rotations" in channels:
                 write_euler(spec, channels["rotations"], euler, self.offset)
             if metric is not None:
@@ -148,6 +151,18 @@ class AnimationLayer:
                     if not prim.IsInstanceProxy() and self.can_hold(prim.GetPath()):
                         write_strings(self.prim(prim.GetPath()), metric)
 
+    def _write_unpacked_xforms(self, source: AnimationSource, path: Sdf.Path, messages: Messages) -> None:
+        """Write the samples of transforms that were packed with an animation, where an instance of it has them."""
+        for text, channel in source.xforms.items():
+            relative = Sdf.Path(text).MakeRelativePath(source.prim.GetPath())
+            attribute = source.stage.GetAttributeAtPath(relative.MakeAbsolutePath(path))
+            if not attribute:
+                attribute = source.stage.GetAttributeAtPath(text)
+            prim = attribute.GetPrim()
+            if prim.IsInstanceProxy():
+                give_up_instances(self, prim, messages)
+            write_op(self.prim(prim.GetPath()), attribute, channel, self.offset)
+
     def store_metric(self, clip: SkelClip, metric: LearnedMetric, messages: Messages) -> None:
         """Write the metric of an animation, and leave its samples where they are."""
         # An animation within an instance may have to move out of it, and must take its samples along.
@@ -155,12 +170,9 @@ class AnimationLayer:
         sampled = {name: channel for name, channel in moved.items() if len(channel.codes)}
         self.write_animation(clip.source, sampled, {}, metric, messages)
 
-    def write_values(self, attribute: Usd.Attribute, channel: Channel, values: Sequence[Any]) -> None:
-        """Write the samples of any other attribute of the stage, all of them."""
-        spec = self.prim(attribute.GetPrim().GetPath())
-        name = attribute.GetName()
-        own = spec.attributes.get(name) or Sdf.AttributeSpec(spec, name, attribute.GetTypeName())
-        write_values(own, channel, values, self.offset)
+    def write_op(self, attribute: Usd.Attribute, channel: Channel) -> None:
+        """Write the samples of a transform op of the stage, all of them."""
+        write_op(self.prim(attribute.GetPrim().GetPath()), attribute, channel, self.offset)
 
 
 class OverrideLayer(AnimationLayer):

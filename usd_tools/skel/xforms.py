@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from pxr import Gf, Usd, UsdGeom, UsdLux, UsdSkel
+from pxr import Usd, UsdGeom, UsdLux, UsdSkel
 
 from geomstats_anim import SCHEMES, Animation, Skeleton
 from geomstats_anim.rotations import IDENTITY
-from usd_tools.skel.channels import Channel, held, read_samples
+from usd_tools.skel.channels import Channel, held
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.cuts import find_cuts
 from usd_tools.skel.find import AnimationSource
 from usd_tools.skel.resampling import merged_codes
 from usd_tools.skel.xform_motion import Codec, Parts, codec_of
+from usd_tools.skel.xform_ops import read_op
 
 _ONE = Skeleton(("xform",), np.array([-1]), np.zeros((1, 3)), IDENTITY[None])
 
@@ -64,7 +65,7 @@ def find_xform_ops(source: AnimationSource) -> FoundOps:
             path = str(attribute.GetPath())
             if path in ops or attribute.GetNumTimeSamples() < 2:
                 continue
-            channel = _read(attribute)
+            channel = source.xforms.get(path) or read_op(attribute)
             if not channel.is_animated or channel.is_constant:
                 continue
             op_type = op.GetOpTypeToken(op.GetOpType())
@@ -112,34 +113,6 @@ def _is_own(prim: Usd.Prim, source: AnimationSource) -> bool:
         if each.IsA(UsdGeom.Boundable) or each.IsA(UsdGeom.Camera) or each.HasAPI(UsdLux.LightAPI):
             return False
     return True
-
-
-def _read(attribute: Usd.Attribute) -> Channel:
-    codes, raw, source = read_samples(attribute)
-    blocked = np.array([not isinstance(value, _TYPES) for value in raw])
-    live = [_numbers(value) for value, is_blocked in zip(raw, blocked, strict=True) if not is_blocked]
-    values = np.zeros((len(codes), 1, len(live[0]) if live else 1))
-    values[~blocked, 0] = live
-    return Channel(attribute.GetName(), np.array(codes), values, blocked, values[0], source)
-
-
-_QUATERNIONS = (Gf.Quath, Gf.Quatf, Gf.Quatd)
-_TYPES = (*_QUATERNIONS, Gf.Vec3h, Gf.Vec3f, Gf.Vec3d, Gf.Matrix4d, float)
-
-
-def _numbers(value: Any) -> np.ndarray:
-    if isinstance(value, _QUATERNIONS):
-        return np.array([*value.imaginary, value.real], dtype=np.float64)
-    return np.array(value, dtype=np.float64).ravel()
-
-
-def usd_values(op: XformOp, numbers: np.ndarray) -> list[Any]:
-    """Turn numbers of an op, shape=[F, C], into values of its attribute."""
-    make = type(op.attribute.GetTypeName().defaultValue)
-    rows = numbers.tolist()
-    if make in _QUATERNIONS:
-        return [make(w, x, y, z) for x, y, z, w in rows]
-    return [make(*row) for row in rows]
 
 
 def cuts_of(op: XformOp, clip: SkelClip, look_for_cuts: bool) -> np.ndarray:

@@ -25,7 +25,7 @@ from usd_tools.skel.rate_advice import between_frames
 from usd_tools.skel.resampling import at_rate, subdivided, with_codes
 from usd_tools.skel.time_codes import clips_with_source_codes, codes_for
 from usd_tools.skel.writer import AnimationLayer
-from usd_tools.skel.xforms import cuts_of, find_xform_ops, resample_op, usd_values
+from usd_tools.skel.xforms import cuts_of, find_xform_ops, resample_op
 from usd_tools.upsampling.clips import animated_clips, check_schemes, check_size, read_library, with_cuts
 from usd_tools.upsampling.cycles import Cycles
 from usd_tools.upsampling.interpolation import interpolated
@@ -268,7 +268,7 @@ def _write(layer: AnimationLayer, clips: Sequence[UpsampledClip], options: Curve
             euler=options.euler,
         )
         for op, channel in each.xforms:
-            layer.write_values(op.attribute, channel, usd_values(op, channel.values[:, 0]))
+            layer.write_op(op.attribute, channel)
 
 
 def _described(

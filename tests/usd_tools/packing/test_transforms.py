@@ -1,0 +1,178 @@
+"""Transforms that move a character as a whole are packed with its joints, and read as if they had all samples."""
+
+import numpy as np
+import pytest
+from pxr import Gf, Sdf, Usd, UsdGeom
+from rigs import ANIMATION, SKELETON, make_rig, random_rotations, read
+
+from geomstats_anim.markers import Markers, distances_between, joint_matrices
+from usd_tools.skel.clip import read_clip
+from usd_tools.skel.find import find_animations
+from usd_tools.skel.packed import PACKED
+from usd_tools.skel.resampling import animation_of
+
+N = 24
+CODES = list(range(N))
+TOLERANCE = 0.5
+TRANSLATE, ORIENT, MATRIX = "/Rig.xformOp:translate", "/Rig.xformOp:orient", f"{SKELETON}.xformOp:transform"
+
+
+def clip_of(path):
+    return read_clip(find_animations(Usd.Stage.Open(str(path)))[0])
+
+
+def placed(clip, animation):
+    placements = clip.placements(animation.times * clip.codes_per_second)
+    return joint_matrices(type(animation)(**{**vars(animation), "world": placements}))
+
+
+def largest_error(path, source):
+    """In centimetres, of joints, bone ends and shell, moved by all that is above them."""
+    ours, truth = clip_of(path), clip_of(source)
+    motion = animation_of(truth)
+    matrices = placed(ours, animation_of(ours)), placed(truth, motion)
+    return 100.0 * distances_between(*matrices, Markers.of_shell(motion)).max()
+
+
+def values(path, attribute):
+    """Return the time codes of an op, and its numbers; None is a value block."""
+    stage = Usd.Stage.Open(str(path))
+    found = stage.GetAttributeAtPath(attribute)
+    codes = found.GetTimeSamples()
+    return codes, [found.Get(code) for code in codes]
+
+
+@pytest.fixture
+def source(tmp_path):
+    """A character that is moved, turned and scaled by three prims' worth of ops; one has a value block."""
+    path = tmp_path / "in.usda"
+    stage = make_rig(path, codes=CODES, rotations=random_rotations(N, 3))
+    root, skeleton = (UsdGeom.Xformable(stage.GetPrimAtPath(each)) for each in ("/Rig", SKELETON))
+    translate, orient, matrix = root.AddTranslateOp(), root.AddOrientOp(), skeleton.AddTransformOp()
+    for k in CODES:
+        translate.Set(Gf.Vec3d(2.0 * k, 5.0 * np.sin(k / 5.0), 7.0), k)
+        orient.Set(Gf.Quatf(Gf.Rotation((0, 0, 1), 9.0 * k).GetQuat()) * (-1.0 if k % 2 else 1.0), k)
+        turned = Gf.Matrix4d().SetScale(0.5 + 0.01 * k) * Gf.Matrix4d().SetRotate(Gf.Rotation((0, 1, 0), 3.0 * k))
+        matrix.Set(turned.SetTranslateOnly((0.0, 0.3 * k, 0.0)), k)
+    stage.GetRootLayer().Save()
+    return path
+
+
+@pytest.mark.parametrize("preview", [0, 4])
+def test_ops_are_packed_within_the_tolerance_and_unpacked(source, tmp_path, run, preview):
+    packed, back = tmp_path / "packed.usda", tmp_path / "back.usda"
+    words = ["--tolerance", TOLERANCE, "--preview", preview]
+    code, text, err = run("pack", source, "-o", packed, *words)
+    assert (code, err) == (0, "") and TRANSLATE in text
+    assert 0.3 * TOLERANCE < largest_error(packed, source) <= TOLERANCE
+    assert run("unpack", packed, "-o", back)[0] == 0
+    # the shell is 3 cm in the units of the first sample, which is packed too
+    assert largest_error(back, source) <= 1.01 * TOLERANCE
+    for path in (TRANSLATE, ORIENT, MATRIX):
+        before, few, after = (values(file, path) for file in (source, packed, back))
+        assert after[0] == before[0] == CODES and len(few[0]) == (preview or 2)
+        kept = dict(zip(*before, strict=True))
+        assert few[1] == ([kept[code] for code in few[0]] if preview else [kept[0]] * 2)
+    for matrix in values(back, MATRIX)[1]:  # which are still a scale, a turn and a move
+        linear = np.array(matrix)[:3, :3]
+        np.testing.assert_allclose(linear @ linear.T, np.linalg.det(linear) ** (2 / 3) * np.eye(3), atol=1e-12)
+
+
+def test_value_blocks_uneven_times_and_times_of_their_own_survive(tmp_path, run):
+    path, back = tmp_path / "in.usda", tmp_path / "back.usda"
+    codes = np.sort(np.random.default_rng(1).choice(np.arange(0, 60, 0.25), N, replace=False)).tolist()
+    stage = make_rig(path, codes=codes, rotations=random_rotations(N, 3))
+    op = UsdGeom.Xformable(stage.GetPrimAtPath("/Rig")).AddTranslateOp()
+    for k in range(0, N, 2):
+        op.GetAttr().Set(Sdf.ValueBlock() if k == 10 else Gf.Vec3d(k, 0.0, 0.0), codes[k])
+    stage.GetRootLayer().Save()
+    for preview in (0, 5):
+        assert run("pack", path, "-o", tmp_path / "packed.usda", "--tolerance", 0.2, "--preview", preview)[0] == 0
+        run("unpack", tmp_path / "packed.usda", "-o", back)
+        found, moved = values(back, TRANSLATE)
+        assert set(codes[::2]) <= set(found) <= set(codes) and read(back)[0] == codes
+        for code, value in zip(found, moved, strict=True):
+            if code in codes[::2] and code != codes[10]:
+                assert abs(value[0] - codes.index(code)) <= 0.2
+        assert moved[found.index(codes[10])] is None
+        assert codes[11] not in found  # within the block, nothing is shown
+
+
+def test_verbs_that_leave_transforms_write_all_of_their_samples(source, tmp_path, run):
+    packed, out = tmp_path / "packed.usda", tmp_path / "out.usda"
+    run("pack", source, "-o", packed, "--tolerance", TOLERANCE)
+    for words in (
+        ["upsample", "--factor", 2, "--no-xforms"],
+        ["downsample", "--keys", 8],
+        ["pack", "--tolerance", 1, "--no-xforms"],
+    ):
+        verb, *options = words
+        assert run(verb, packed, "-o", out, *options)[0] == 0
+        codes, moved = values(out, TRANSLATE)
+        assert codes == CODES
+        np.testing.assert_allclose(np.array(moved)[:, 0], 2.0 * np.arange(N), atol=TOLERANCE)
+    run("upsample", packed, "-o", out, "--factor", 2)
+    codes, moved = values(out, TRANSLATE)
+    assert codes == np.arange(0, N - 0.5, 0.5).tolist()
+    np.testing.assert_allclose(np.array(moved)[:, 0], 2.0 * np.array(codes), atol=TOLERANCE)
+
+
+def test_samples_of_a_stronger_layer_count(source, tmp_path, run):
+    run("pack", source, "-o", tmp_path / "packed.usda", "--tolerance", TOLERANCE)
+    layer = Sdf.Layer.CreateNew(str(tmp_path / "stranger.usda"))
+    layer.subLayerPaths = ["./packed.usda"]
+    stage = Usd.Stage.Open(layer)
+    attribute = stage.GetAttributeAtPath(TRANSLATE)
+    attribute.Set(Gf.Vec3d(0.0), 0.0)
+    attribute.Set(Gf.Vec3d(1.0), 9.0)
+    assert set(read_clip(find_animations(stage)[0]).source.xforms) == {ORIENT, MATRIX}
+
+
+def test_packed_characters_are_referenced_elsewhere_and_instanced(source, tmp_path, run):
+    run("pack", source, "-o", tmp_path / "packed.usda", "--tolerance", TOLERANCE)
+    stage = Usd.Stage.CreateNew(str(tmp_path / "crowd.usda"))
+    for name in ("A", "B"):
+        prim = stage.DefinePrim(f"/Crowd/{name}/Char")
+        prim.GetReferences().AddReference("./packed.usda")
+        prim.GetParent().SetInstanceable(True)
+    stage.GetRootLayer().Save()
+    clip = read_clip(find_animations(stage)[0])
+    single = clip_of(tmp_path / "packed.usda")
+    np.testing.assert_allclose(clip.placements(clip.codes), single.placements(single.codes), atol=1e-12)
+    assert run("unpack", tmp_path / "crowd.usda", "-o", tmp_path / "back.usda")[0] == 0
+    for name in ("A", "B"):
+        codes, moved = values(tmp_path / "back.usda", f"/Crowd/{name}/Char.xformOp:translate")
+        assert codes == CODES and moved[-1] != moved[0]
+
+
+def test_ops_that_cannot_be_packed_keep_their_samples_and_are_named(source, tmp_path, run):
+    stage = Usd.Stage.Open(str(source))
+    stage.GetAttributeAtPath(TRANSLATE).Set(Gf.Vec3d(0.0), 100.0)
+    sheared = Gf.Matrix4d(1.0)
+    sheared[0, 1] = 0.5
+    stage.GetAttributeAtPath(MATRIX).Set(sheared, 3.0)
+    stage.GetRootLayer().Save()
+    code, _, err = run("pack", source, "-o", tmp_path / "packed.usda", "--tolerance", TOLERANCE)
+    assert code == 0
+    assert f"{TRANSLATE} keeps its {N + 1} samples: it moves before or after {ANIMATION} does." in err
+    assert f"{MATRIX} keeps its {N} samples: its matrices are not exactly" in err
+    assert values(tmp_path / "packed.usda", TRANSLATE) == values(source, TRANSLATE)
+    assert set(clip_of(tmp_path / "packed.usda").source.xforms) == {ORIENT}
+
+
+@pytest.mark.parametrize(
+    "name", ["../..:translate", "..:translate", "..:translate x", "no path!:translate", "/Rig:translate", ".."]
+)
+def test_strange_names_in_a_stream_are_refused(source, tmp_path, name):
+    from geomstats_anim.codec import ExtraChannel, pack
+    from usd_tools.console.errors import ToolError
+    from usd_tools.skel.packed import write_packed
+
+    clip = clip_of(source)
+    animation = animation_of(clip)
+    channel = ExtraChannel(np.zeros((N, 2)), 0.1)
+    stream = pack(type(animation)(**{**vars(animation), "times": clip.codes}), 0.01, channels={name: channel})
+    layer = Sdf.Layer.FindOrOpen(str(source))
+    write_packed(layer.GetPrimAtPath(ANIMATION), stream, True)
+    with pytest.raises(ToolError, match=PACKED):
+        clip_of(source)
