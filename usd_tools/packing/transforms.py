@@ -114,9 +114,7 @@ class Transforms:
         return float(np.clip(n_own / max(n_own + n_joints, 1), *_SHARES)) if n_own else 0.0
 
     def channels(self, metres: float, markers: Markers) -> dict[str, ExtraChannel]:
-        """Return what is packed, so that markers hardly move by more than some metres: errors of numbers add up
-        as independent ones do.
-        """
+        """Return what is packed, so that markers move by some metres at most, if errors add up as independent ones."""
         n_own = sum(values.shape[1] for values in self.columns.values())
         reach = self._reach(markers)
         return {
