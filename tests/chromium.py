@@ -8,7 +8,7 @@ import pytest
 
 CHROMIUM = shutil.which("chromium")
 FLAGS = "--headless --no-sandbox --no-first-run --disable-background-networking".split()
-SOFTWARE = "--enable-unsafe-swiftshader --use-gl=angle --use-angle=swiftshader".split()
+SOFTWARE = "--disable-gpu --enable-unsafe-swiftshader".split()
 """WebGL without a graphics card."""
 
 

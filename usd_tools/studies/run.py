@@ -5,14 +5,11 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from geomstats_anim import Animation
-from usd_tools.comparison.report.scenes import Scene, scenes
+from usd_tools.comparison.report.scenes import Scene, joined, scenes
 from usd_tools.comparison.results import ComparedClip
 from usd_tools.comparison.run import read_compared
 from usd_tools.comparison.trials import all_trials, measure
@@ -20,7 +17,8 @@ from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.progress import Progress, ProgressCallback
 from usd_tools.files.folders import check_folder, made_beside
 from usd_tools.files.openusd_errors import openusd_errors, usd_warnings
-from usd_tools.studies.motions import motion_data
+from usd_tools.player.characters import Character
+from usd_tools.player.scripts import read_scripts, script_json
 from usd_tools.studies.options import StudyOptions
 from usd_tools.studies.pairs import QUESTIONS, all_pairs
 from usd_tools.studies.result import StudyResult
@@ -75,21 +73,21 @@ def _rebuilt(
 
 def _page_data(found: Sequence[Scene], seed: int) -> dict[str, Any]:
     """Return what the page shows and asks, as plain values."""
-    clips = []
-    for scene in found:
-        motions = {ORIGINAL: _joined(scene.stretches)}
-        motions |= {word: _joined(rebuilt.stretches) for word, rebuilt in scene.rebuilt.items()}
-        clips.append(motion_data(scene.name, scene.compared.clip, motions))
     pairs = all_pairs({scene.name: tuple(scene.rebuilt) for scene in found}, seed)
+    clips = [_clip_data(scene) for scene in found]
     data = {"questions": QUESTIONS, "clips": clips, "pairs": [asdict(pair) for pair in pairs]}
     return {"study": hashlib.sha256(json.dumps(data).encode()).hexdigest()[:16], **data}
 
 
-def _joined(stretches: Sequence[Animation]) -> Animation:
-    """Put stretches of one clip one after the other."""
-    names = ("times", "rotations", "translations", *(() if stretches[0].scales is None else ("scales",)))
-    values = {name: np.concatenate([getattr(stretch, name) for stretch in stretches]) for name in names}
-    return replace(stretches[0], world=None, **values)
+def _clip_data(scene: Scene) -> dict[str, Any]:
+    rebuilt = {word: joined(each.stretches) for word, each in scene.rebuilt.items()}
+    character = Character.of(scene.compared.clip, scene.original, list(rebuilt.values()))
+    motions = {ORIGINAL: scene.original, **rebuilt}
+    return {
+        "name": scene.name,
+        "character": character.as_dict(),
+        "motions": {word: character.motion(motion) for word, motion in motions.items()},
+    }
 
 
 def _page(data: dict[str, Any]) -> str:
@@ -99,6 +97,5 @@ def _page(data: dict[str, Any]) -> str:
         loader=jinja2.FileSystemLoader(_HERE), autoescape=True, undefined=jinja2.StrictUndefined
     )
     return environment.get_template("study.html").render(
-        data=json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"),
-        script=(_HERE / "study.js").read_text(encoding="utf-8"),
+        data=script_json(data), scripts=read_scripts(_HERE / "study.js")
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from usd_tools.comparison.report.player_data import player_data
 from usd_tools.comparison.report.scenes import Scene
 from usd_tools.comparison.trials import Row
 from usd_tools.figures.style import look, percent
+from usd_tools.player.scripts import read_scripts, script_json
 
 _HERE = Path(__file__).parent
 
@@ -60,7 +60,6 @@ def write_page(
     pictures : sequence of Picture
     """
     import jinja2
-    from plotly.offline import get_plotlyjs
 
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(_HERE),
@@ -84,17 +83,11 @@ def write_page(
         failures=[row for row in rows if row.error is not None],
         pictures=[(picture, _embedded(figures / f"{picture.name}.svg")) for picture in pictures],
         stride=data["clips"][0]["frames"][1] if data and len(data["clips"][0]["frames"]) > 1 else 1,
-        data=data and _json(data),
-        plotly=get_plotlyjs(),
-        player=(_HERE / "player.js").read_text(encoding="utf-8"),
+        data=data and script_json(data),
+        scripts=read_scripts(_HERE / "chart.js", _HERE / "player.js"),
         style=(_HERE / "page.css").read_text(encoding="utf-8"),
     )
     path.write_text(text, encoding="utf-8")
-
-
-def _json(value: Any) -> str:
-    """Write JSON that may stand in a script element."""
-    return json.dumps(value, separators=(",", ":")).replace("<", "\\u003c")
 
 
 def _embedded(svg: Path) -> str:

@@ -1,22 +1,21 @@
-"""Motion for the player on the page: points of every clip and scheme, small enough to be written into it."""
+"""What the player on the page shows: the character of every clip, and its motion by every scheme and rate."""
 
 from __future__ import annotations
 
-import base64
-import zlib
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from usd_tools.comparison.report.scenes import Scene
+from usd_tools.comparison.report.scenes import Scene, joined
 from usd_tools.figures.style import TRUTH, look
+from usd_tools.player.characters import Character
 
 BUDGET = 32_000_000
-"""Bytes of all points before they are compressed; beyond it the player shows every second frame, or fewer."""
+"""Bytes of all motions before they are compressed; beyond it the player shows every second frame, or fewer."""
 
-_LARGEST = 32_000
-"""Of the whole numbers that stand for coordinates."""
+_JOINT = 14
+"""Bytes of a joint in a frame: a quaternion and a place, in whole numbers of 16 bits."""
 
 
 def player_data(scenes: Sequence[Scene], chosen: Scene) -> dict[str, Any]:
@@ -31,12 +30,12 @@ def player_data(scenes: Sequence[Scene], chosen: Scene) -> dict[str, Any]:
     Returns
     -------
     data : dict
-        clip, rate: what it begins with; colors: by word; clips: name, frames (their numbers in the clip), times
-        (seconds), lines (pairs of points), unit (metres), truth, travels (whether the camera should follow), and rates:
-        rate, keys (places in frames), start (place of the frame to begin with), schemes: word, points, errors
-        (centimetres). Points are `packed`.
+        clip, rate: what it begins with; truth: the original's colour; colors: by word; clips: name, frames (their
+        numbers in the clip), character (see `Character.as_dict`), truth (a motion), travels (whether the camera should
+        follow), and rates: rate, keys (places in frames), start (place of the frame to begin with), schemes: word,
+        motion, errors (centimetres). Motions are those of `Character.motion`.
     """
-    sizes = [2 * scene.points().size * (1 + len(scene.rebuilt)) for scene in scenes]
+    sizes = [_JOINT * len(s.times) * s.stretches[0].n_joints * (1 + len(s.rebuilt)) for s in scenes]
     stride = max(1, -(-sum(sizes) // BUDGET))
     by_clip: dict[str, list[Scene]] = {}
     for scene in scenes:
@@ -54,21 +53,21 @@ def player_data(scenes: Sequence[Scene], chosen: Scene) -> dict[str, Any]:
 def _clip(name: str, scenes: Sequence[Scene], stride: int) -> dict[str, Any]:
     first = scenes[0]
     frames = np.arange(0, len(first.times), stride)
-    truth = first.points()[frames]
-    moves = [{word: scene.points(word)[frames] for word in scene.rebuilt} for scene in scenes]
-    middle = 0.5 * (truth.max(axis=(0, 1)) + truth.min(axis=(0, 1)))
-    every = [truth, *(points for by_word in moves for points in by_word.values())]
-    unit = max(float(max(np.abs(points - middle).max() for points in every)), 1e-6) / _LARGEST
-    times = first.times[frames] - first.times[0]
+    truth = first.original.at_frames(frames)
+    moves = [
+        {word: joined(rebuilt.stretches).at_frames(frames) for word, rebuilt in scene.rebuilt.items()}
+        for scene in scenes
+    ]
+    character = Character.of(first.compared.clip, truth, [motion for by_word in moves for motion in by_word.values()])
+    shared = character.as_dict()
+    (low, high), (left, right) = np.array(shared["box"]), np.array(shared["standing"])
+    level = [0, 2] if character.up == "y" else [0, 1]
     return {
         "name": name,
         "frames": frames.tolist(),
-        "times": times.round(5).tolist(),
-        "lines": first.bones.lines.tolist(),
-        "points": truth.shape[1],
-        "unit": float(f"{unit:.6g}"),
-        "truth": packed((truth - middle) / unit),
-        "travels": bool(np.ptp(truth.mean(axis=1)[:, :2], axis=0).max() > np.ptp(truth[0], axis=0).max()),
+        "character": shared,
+        "truth": character.motion(truth),
+        "travels": bool(((high - low)[level] > 1.5 * (right - left).max()).any()),
         "rates": [
             {
                 "rate": scene.rate,
@@ -77,22 +76,12 @@ def _clip(name: str, scenes: Sequence[Scene], stride: int) -> dict[str, Any]:
                 "schemes": [
                     {
                         "word": word,
-                        "points": packed((points - middle) / unit),
+                        "motion": character.motion(motion),
                         "errors": scene.errors[word][frames].round(3).tolist(),
                     }
-                    for word, points in by_word.items()
+                    for word, motion in by_word.items()
                 ],
             }
             for scene, by_word in zip(scenes, moves, strict=True)
         ],
     }
-
-
-def packed(points: np.ndarray) -> str:
-    """Pack points, shape=[F, P, 3]: whole numbers of 16 bits, as differences in time, deflated, in base 64.
-
-    Each coordinate of each point is a row of F differences, which wrap around.
-    """
-    whole = np.round(points).astype("<i2").reshape(len(points), -1)
-    steps = np.diff(whole, axis=0, prepend=np.zeros((1, whole.shape[1]), dtype="<i2"))
-    return base64.b64encode(zlib.compress(np.ascontiguousarray(steps.T).tobytes(), 9)).decode("ascii")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -45,6 +45,11 @@ class Scene:
     def stretches(self) -> tuple[Animation, ...]:
         """The original."""
         return self.compared.take.stretches
+
+    @property
+    def original(self) -> Animation:
+        """The original, its stretches one after the other."""
+        return joined(self.stretches)
 
     @cached_property
     def rebuilt(self) -> dict[str, Rebuilt]:
@@ -129,6 +134,13 @@ def scenes(clips: Sequence[ComparedClip], results: Sequence[TrialResult]) -> lis
         )
         for (clip, rate), done in found.items()
     ]
+
+
+def joined(stretches: Sequence[Animation]) -> Animation:
+    """Put stretches of one clip one after the other; where they are in the world is left aside."""
+    names = ("times", "rotations", "translations", *(() if stretches[0].scales is None else ("scales",)))
+    values = {name: np.concatenate([getattr(stretch, name) for stretch in stretches]) for name in names}
+    return replace(stretches[0], world=None, **values)
 
 
 def flattened(points: np.ndarray) -> np.ndarray:

@@ -1,29 +1,23 @@
-"""Points for the player: what is packed comes out again, and a long clip does not make a heavy page."""
+"""Motion for the player: what is packed comes out again, and a long clip does not make a heavy page."""
 
-import base64
 import json
-import zlib
 
 import numpy as np
 import pytest
 from rigs import make_rig, random_rotations
+from unpacking import unpacked
 
+from geomstats_anim.markers import joint_matrices
 from usd_tools.characters.bones import Bones
-from usd_tools.characters.placement import upright
+from usd_tools.characters.placement import placed, upright
 from usd_tools.comparison.options import SchemeChoice
 from usd_tools.comparison.report import player_data as player
-from usd_tools.comparison.report.scenes import flattened, scenes
+from usd_tools.comparison.report.scenes import flattened, joined, scenes
 from usd_tools.comparison.results import named
 from usd_tools.comparison.trials import all_trials, measure
 from usd_tools.learning.clips import training_clip
 from usd_tools.skel.clip import read_clip
 from usd_tools.skel.find import find_animations
-
-
-def unpacked(text, n_frames):
-    """Do what player.js does."""
-    rows = np.frombuffer(zlib.decompress(base64.b64decode(text)), dtype="<i2").reshape(-1, n_frames)
-    return np.cumsum(rows, axis=1, dtype="<i2").T.reshape(n_frames, -1, 3)
 
 
 @pytest.fixture
@@ -43,28 +37,29 @@ def scene(compared):
     return scenes([each], [measure(trial, each.take, "hyb") for trial in wanted if not trial.unseen])[0]
 
 
-def test_packing_is_reversible():
-    points = np.random.default_rng(0).integers(-32_000, 32_000, (7, 4, 3)).astype(float)
-    np.testing.assert_array_equal(unpacked(player.packed(points), 7), points)
-
-
-def test_points_are_those_of_the_scene(scene):
+def test_motions_are_those_of_the_scene(scene):
     data = player.player_data([scene], scene)
     clip = data["clips"][0]
-    found = unpacked(clip["truth"], 16) * clip["unit"]
-    truth = scene.points()
-    middle = 0.5 * (truth.max(axis=(0, 1)) + truth.min(axis=(0, 1)))
-    np.testing.assert_allclose(found, truth - middle, atol=clip["unit"])
-    assert clip["lines"] == [[0, 1], [1, 2], [2, 3]]
-    assert clip["rates"][0]["keys"] == [0, 4, 8, 11, 15]
+    rate = clip["rates"][0]
+    motions = {None: clip["truth"], **{each["word"]: each["motion"] for each in rate["schemes"]}}
+    for word, motion in motions.items():
+        found = joint_matrices(unpacked(clip["character"], motion, scene.original))
+        animation = scene.original if word is None else joined(scene.rebuilt[word].stretches)
+        expected = joint_matrices(placed(scene.compared.clip, animation))
+        np.testing.assert_allclose(found, expected, atol=5e-4)
+    assert list(clip["character"]["bodies"]) == ["bones"]
+    assert scene.bones.lines.tolist() == [[0, 1], [1, 2], [2, 3]]
+    assert rate["keys"] == [0, 4, 8, 11, 15]
     assert json.loads(json.dumps(data)) == data
 
 
 def test_long_motion_is_thinned(scene, monkeypatch):
-    monkeypatch.setattr(player, "BUDGET", scene.points().size)
+    monkeypatch.setattr(player, "BUDGET", 7 * scene.original.rotations[..., 0].size)
     clip = player.player_data([scene], scene)["clips"][0]
     assert clip["frames"] == list(range(0, 16, 6))
-    assert len(unpacked(clip["truth"], 3)) == len(clip["rates"][0]["schemes"][0]["errors"]) == 3
+    assert len(clip["character"]["times"]) == len(clip["rates"][0]["schemes"][0]["errors"]) == 3
+    found = unpacked(clip["character"], clip["truth"], scene.original.at_frames(slice(0, 16, 6)))
+    np.testing.assert_allclose(found.rotations, scene.original.rotations[::6], atol=1e-4)
 
 
 @pytest.mark.parametrize("axis", ["Y", "Z"])

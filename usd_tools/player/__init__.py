@@ -1,0 +1,1 @@
+"""Characters that play on a page without a server: bodies and motions as text, and the script that draws them."""
