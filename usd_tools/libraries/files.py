@@ -12,7 +12,7 @@ from usd_tools.console.errors import ToolError
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.vertical import vertical
 
-_UPRIGHT = 0.98
+UPRIGHT = 0.98
 """Cosine between verticals that are the same."""
 
 
@@ -62,7 +62,7 @@ class LibraryFile:
         ToolError
         """
         difference = self.library.rig_difference(clip.skeleton)
-        if not difference and self.library.vertical @ vertical(clip) < _UPRIGHT:
+        if not difference and self.library.vertical @ vertical(clip) < UPRIGHT:
             difference = "another axis is up"
         if difference:
             raise ToolError(

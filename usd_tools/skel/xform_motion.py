@@ -91,6 +91,11 @@ def codec_of(op_type: str, numbers: Array) -> Codec | None:
     # about one axis angles are all there is, and beyond half a turn only they tell how far it goes
     if len(order) == 1 or not _goes_the_short_way(order, numbers):
         return Codec(lambda values: Parts.of(path=_unwrapped(values)), _join_angles)
+    return turning(order)
+
+
+def turning(order: str) -> Codec:
+    """Return the codec of three angles that name a turn, in an order such as "xyz"."""
     return Codec(
         lambda values: Parts.of(turns=_from_euler(order, values)),
         lambda parts, keys, segment: _to_euler(order, parts.turns, keys[segment]),
