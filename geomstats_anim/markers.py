@@ -179,7 +179,7 @@ def spread(markers: Markers) -> np.ndarray:
     owners, strongest = markers.owners, markers.weights.argmax(axis=-1)
     reach = markers.offsets[np.arange(markers.n_markers), strongest] @ directions.T
     own = [np.flatnonzero(owners == joint) for joint in np.unique(owners)]
-    return np.unique([some[reach[some].argmax(axis=0)] for some in own])
+    return np.unique(np.array([some[reach[some].argmax(axis=0)] for some in own], dtype=np.intp))
 
 
 def largest_by_marker(animation: Animation, reference: Animation, markers: Markers) -> Array:

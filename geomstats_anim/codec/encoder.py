@@ -12,11 +12,20 @@ from geomstats_anim.codec.decoder import unpack
 from geomstats_anim.codec.packer import ExtraChannel, Packer
 from geomstats_anim.codec.search import EFFORTS
 from geomstats_anim.codec.stream import Channel, Header, write_stream
-from geomstats_anim.markers import Markers, world_errors
+from geomstats_anim.markers import Markers, largest_by_marker, spread, world_errors
 from geomstats_anim.names import SHELL_RADIUS
 
 _TIGHTER = 8
-"""Tolerances that are tried where markers that the search does not see are further off."""
+"""Searches at most, the next with more of the markers that are blended, which no search sees as they are."""
+
+_MAIN, _SMALL = 0.5, 0.05
+"""Part of a joint in a blended marker from which on it is searched with: at first, and where that does not do."""
+
+_CLOSE = 0.97
+"""Of the tolerance: markers beyond it are searched with in the next attempt."""
+
+_TIGHTEN = 0.995
+"""Tolerance of the next attempt over what would just do if errors were in proportion."""
 
 _STILL = 1e-9
 """Metres, or units, that a channel may move and still stand still."""
@@ -89,19 +98,30 @@ def pack(
         has_scales,
         tuple(Channel(name, np.asarray(each.values).shape[1]) for name, each in channels.items()),
     )
-    shell_markers = Markers.of_shell(animation, shell)
-    measured = shell_markers if markers is None else shell_markers.joined(markers)
+    more = Markers.none() if markers is None else markers
+    searched = Markers.of_shell(animation, shell)
+    measured = searched.joined(more)
+    searched = searched.joined(_with_one_joint(more.chosen(spread(more)), _MAIN))
     pieces = _pieces(animation, segment, cuts)
     inner = tolerance
     for _ in range(_TIGHTER):
-        packer = Packer(animation, header, shell_markers, inner, scale_tolerance, channels, effort)
+        packer = Packer(animation, header, searched, inner, scale_tolerance, channels, effort)
         segments = [packer.pack(start, stop, progress) for start, stop in zip(pieces[:-1], pieces[1:], strict=True)]
         stream = write_stream(skeleton, header, segments)
-        worst = world_errors(unpack(stream, skeleton), animation, measured).max(initial=0.0)
+        decoded = unpack(stream, skeleton)
+        worst = world_errors(decoded, animation, measured).max(initial=0.0)
         if worst <= tolerance:
             return stream
-        inner *= 0.98 * tolerance / worst
+        further = more.chosen(largest_by_marker(decoded, animation, more) > _CLOSE * tolerance)
+        searched = searched.joined(_with_one_joint(further.chosen(spread(further)), _SMALL))
+        inner *= min(1.0, _TIGHTEN * tolerance / worst)
     raise ValueError(f"The tolerance of {tolerance:g} m cannot be kept; the nearest is {worst:g} m. Use a larger one.")
+
+
+def _with_one_joint(markers: Markers, weight: float) -> Markers:
+    """Return a marker for each joint that has a part in one: what is blended is no further off than the furthest."""
+    which, part = np.nonzero(markers.weights >= weight)
+    return Markers.on_joints(markers.joints[which, part], markers.offsets[which, part])
 
 
 def _check(
