@@ -13,6 +13,7 @@ from pathlib import Path
 from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.text import say
+from usd_tools.upsampling.arguments import add_library
 from usd_tools.viewer.options import LOCAL, LiveOptions, port_number
 
 __all__ = ["LiveOptions", "live", "main", "parser"]
@@ -81,6 +82,7 @@ def parser(prog: str = PROG) -> ArgumentParser:
     parse.add_argument(
         "--prim", metavar="PATH", help="the SkelAnimation or Skeleton to edit, where IN has several, or a prim above"
     )
+    add_library(parse)
     parse.add_argument(
         "--port", metavar="N", type=port_number, help="port of the page; default: the first free one from 8080 on"
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, Self
 
 import numpy as np
 
@@ -93,8 +93,14 @@ class Learned(GeodesicSpline):
 
     def _take(self, spline: PoseSpline) -> None:
         super()._take(spline)
-        if self._library is not None and not isinstance(self._library, Help):
+        # while a value is dragged, the residual stays
+        if self._library is not None and not isinstance(self._library, Help) and not spline.is_quick.any():
             self.help = self._library.help(self.animation, self._curve)
+
+    def differs(self, other: Self) -> tuple[np.ndarray, np.ndarray]:
+        """Return which joints turn, and which move, otherwise; with another residual, all may turn."""
+        turns, moves = super().differs(other)
+        return turns | (self.help is not other.help), moves
 
     def rotations(self, times: Array, joints: np.ndarray) -> Array:
         """Evaluate the rotations of some joints only, by their indices, shape=[F, J, 4], at increasing times."""

@@ -10,6 +10,7 @@ import numpy as np
 from geomstats_anim import Animation, LearnedMetric
 from geomstats_anim import rotations as quat
 from geomstats_anim.criteria import kind_shares, location_errors
+from geomstats_anim.interpolation.learned_scheme import Library
 from geomstats_anim.markers import Markers, world_errors
 from geomstats_anim.rotations import Array
 from usd_tools.console.errors import Messages
@@ -124,7 +125,13 @@ class SampleSelection:
         return replace(self.clip, channels=channels, given_cuts=self.clip.cuts)
 
 
-def restored(sparse: SkelClip, metric: LearnedMetric, codes: np.ndarray, scheme: str | None = None) -> SkelClip:
+def restored(
+    sparse: SkelClip,
+    metric: LearnedMetric,
+    codes: np.ndarray,
+    scheme: str | None = None,
+    library: Library | None = None,
+) -> SkelClip:
     """Rebuild the samples that were removed, as `usd_tools.upsample --times source` does.
 
     Parameters
@@ -136,8 +143,12 @@ def restored(sparse: SkelClip, metric: LearnedMetric, codes: np.ndarray, scheme:
     scheme : str
         A scheme without a metric instead of the metric's; "slerp" is what viewers show.
         Optional, default: the metric's.
+    library : Library
+        For the scheme "learned".
+        Optional, default: none.
     """
-    dense = resample(sparse, with_codes(sparse, codes), scheme or metric.scheme, metric if scheme is None else None)
+    metric_used = metric if scheme is None else None
+    dense = resample(sparse, with_codes(sparse, codes), scheme or metric.scheme, metric_used, library)
     return replace(sparse, channels={**sparse.channels, **dense.channels})
 
 

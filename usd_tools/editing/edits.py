@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from geomstats_anim import LearnedMetric
-from geomstats_anim.names import OWN_SCHEMES
+from geomstats_anim.names import SCHEME_NAMES
 from usd_tools.console.errors import ToolError
 from usd_tools.console.text import did_you_mean
 from usd_tools.upsampling.joint_styles import Style, as_style
@@ -23,8 +23,8 @@ class UseScheme:
 
     def __post_init__(self) -> None:
         """Refuse a scheme that does not exist."""
-        if self.scheme not in OWN_SCHEMES:
-            raise ValueError(f"there is no scheme {self.scheme!r}{did_you_mean(self.scheme, OWN_SCHEMES)}")
+        if self.scheme not in SCHEME_NAMES:
+            raise ValueError(f"there is no scheme {self.scheme!r}{did_you_mean(self.scheme, SCHEME_NAMES)}")
 
 
 @dataclass(frozen=True, eq=False)

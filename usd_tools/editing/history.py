@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,26 @@ Step = tuple[Edit, ...]
 
 
 @dataclass(frozen=True)
+class LibraryOrigin:
+    """Library that a session uses.
+
+    Parameters
+    ----------
+    file : str
+        Its name.
+    sha256 : str
+        Of the file, in hexadecimal digits.
+    """
+
+    file: str
+    sha256: str
+
+    def __str__(self) -> str:
+        """Name the file, and begin its sum."""
+        return f"{self.file} (sha256 {self.sha256[:12]})"
+
+
+@dataclass(frozen=True)
 class SessionFile:
     """What is stored of a session.
 
@@ -30,12 +50,14 @@ class SessionFile:
     prim : str
         Path of the SkelAnimation.
     steps : tuple of Step
+    library : LibraryOrigin or None
     """
 
     source: str
     sha256: str
     prim: str
     steps: tuple[Step, ...]
+    library: LibraryOrigin | None = None
 
     def to_json(self) -> str:
         """Return the session as JSON."""
@@ -45,6 +67,7 @@ class SessionFile:
             "source": self.source,
             "sha256": self.sha256,
             "prim": self.prim,
+            **({} if self.library is None else {"library": asdict(self.library)}),
             "steps": [[as_dict(edit) for edit in step] for step in self.steps],
         }
         return dump_json(document, indent=2) + "\n"
@@ -72,7 +95,17 @@ class SessionFile:
         if not all(isinstance(word, str) for word in words):
             raise ToolError("This session does not name its source, sha256 and prim.")
         source, sha256, prim = map(str, words)
-        return cls(source, sha256, prim, tuple(tuple(map(from_dict, step)) for step in steps))
+        library = _library(document.get("library"))
+        return cls(source, sha256, prim, tuple(tuple(map(from_dict, step)) for step in steps), library)
+
+
+def _library(document: Any) -> LibraryOrigin | None:
+    if document is None:
+        return None
+    file, sha256 = (document.get(name) if isinstance(document, dict) else None for name in ("file", "sha256"))
+    if not isinstance(file, str) or not isinstance(sha256, str):
+        raise ToolError("This session does not name the file and sha256 of its library.")
+    return LibraryOrigin(file, sha256)
 
 
 def autosave_path(out: Path) -> Path:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from usd_tools.skel.clip import SkelClip, read_clip
 from usd_tools.skel.find import AnimationSource, find_animations, select_animations
 from usd_tools.skel.resampling import animation_of, at_rate, resample, without_cuts
 from usd_tools.skel.source_codes import stored_source_codes
+
+if TYPE_CHECKING:
+    from usd_tools.libraries.files import LibraryFile
 
 MAX_VALUES = 1 << 25
 """Rotations of a clip that can be edited; more would need gigabytes."""
@@ -60,6 +64,10 @@ class EditableMotion:
         Time codes of the frames that are shown: the samples, and whole frames between samples that are further apart.
     original : Animation
         The clip as viewers show it, at the frames, in the world.
+    library : LibraryFile or None
+        Library of in-betweens for the clip's rig.
+    library_path : Path or None
+        Where it is.
     """
 
     path: Path
@@ -67,9 +75,11 @@ class EditableMotion:
     selection: SampleSelection
     codes: np.ndarray
     original: Animation
+    library: LibraryFile | None = None
+    library_path: Path | None = None
 
     @classmethod
-    def open(cls, path: Path, prim: str | None, messages: Messages) -> EditableMotion:
+    def open(cls, path: Path, prim: str | None, library: Path | None, messages: Messages) -> EditableMotion:
         """Open the animation of a file; see `EditSession.open`."""
         source = _only(
             path, select_animations(path, find_animations(open_stage(path)), () if prim is None else (prim,))
@@ -86,7 +96,7 @@ class EditableMotion:
                 f"{path}: {clip.path} has {size} rotations, but at most {MAX_VALUES} can be edited; cut the clip."
             )
         codes, original = _original(clip, _shown_codes(clip))
-        return cls(path, clip, selection, codes, original)
+        return cls(path, clip, selection, codes, original, _library(library, clip), library)
 
     @property
     def skeleton(self) -> Skeleton:
@@ -148,6 +158,17 @@ def _original(clip: SkelClip, codes: np.ndarray) -> tuple[np.ndarray, Animation]
     shown = animation_of(replace(clip, channels={**clip.channels, **dense}, given_cuts=clip.cuts))
     codes = codes[np.isin(codes / clip.codes_per_second, shown.times)]
     return codes, replace(shown, world=clip.placements(codes))
+
+
+def _library(path: Path | None, clip: SkelClip) -> LibraryFile | None:
+    """Read a library, and refuse one of another rig."""
+    if path is None:
+        return None
+    from usd_tools.libraries.files import LibraryFile
+
+    library = LibraryFile.read(path)
+    library.check(clip)
+    return library
 
 
 def _only(path: Path, sources: list[AnimationSource]) -> AnimationSource:

@@ -23,6 +23,7 @@ PRESETS: dict[str, tuple[Edit, ...]] = {
 
 "slerp": geodesics of the bi-invariant metric, on which alpha and beta act at once. "smooth": the plain spline, with
 continuous velocity. "soft": with continuous acceleration. "snappy": bent little, so that motion changes at the keys.
+None has what the papers learned: they publish no values of alpha and beta.
 """
 
 

@@ -7,12 +7,13 @@ from functools import cached_property
 
 import numpy as np
 
-from geomstats_anim import SCHEMES, Animation
+from geomstats_anim import Animation
 from geomstats_anim import rotations as quat
 from geomstats_anim.animation import descendants
 from geomstats_anim.geodesics.shortest import Effort
 from geomstats_anim.interpolation.curves import Curve, Fallback
 from geomstats_anim.interpolation.metric_schemes import Geodesic
+from geomstats_anim.interpolation.schemes import make_curve
 from geomstats_anim.markers import distances_between, place_some
 from geomstats_anim.names import WITH_METRIC
 from geomstats_anim.rotations import Array
@@ -80,7 +81,7 @@ class RebuiltMotion:
         scheme = state.metric.scheme
         metric = state.metric if scheme in WITH_METRIC else None
         curves = tuple(
-            SCHEMES[scheme](part.animation.at_frames(kept), metric)
+            make_curve(part.animation.at_frames(kept), scheme, metric, state.library(motion))
             for part, kept in zip(motion.parts, state.keyframes(motion), strict=True)
         )
         shown = _at(motion, curves, motion.held)

@@ -11,15 +11,19 @@ from typing import Any
 import numpy as np
 
 from geomstats_anim import LearnedMetric
-from geomstats_anim.names import WITH_METRIC
+from geomstats_anim.interpolation.learned_scheme import Learned
+from geomstats_anim.names import BENT, LEARNED, WITH_METRIC
 from geomstats_anim.parameters import CurveParameters
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.options import OutputOptions, one_of, option
+from usd_tools.console.text import short_names
 from usd_tools.downsampling.thinning import restored, write_sparse
 from usd_tools.editing.edits import exactly
 from usd_tools.editing.motion import EditableMotion
+from usd_tools.editing.rebuilt import RebuiltMotion
 from usd_tools.editing.state import EditState
 from usd_tools.files.openusd_errors import openusd_errors, usd_warnings
+from usd_tools.libraries.help import shares
 from usd_tools.skel.find import find_animations
 from usd_tools.skel.output import Output
 from usd_tools.skel.resampling import with_codes
@@ -73,7 +77,7 @@ def save_edited(motion: EditableMotion, state: EditState, out: Path, options: Sa
     target = Output(motion.path, out, options)
     target.check()
     target.check_layers(stage)
-    metric, _ = _with_origin(state.metric).for_joints(clip.joints)
+    metric, _ = _with_origin(state.metric, motion, state).for_joints(clip.joints)
     with usd_warnings(messages):
         everyone = find_animations(stage)
         if options.content == "keys":
@@ -85,7 +89,7 @@ def save_edited(motion: EditableMotion, state: EditState, out: Path, options: Sa
         elif options.content == "dense":
             sparse = motion.selection.sparse(state.keyframes(motion))
             codes = with_codes(clip, motion.codes)
-            dense = restored(sparse, state.metric, codes).channels
+            dense = restored(sparse, state.metric, codes, library=state.library(motion)).channels
             sampled = {name: channel for name, channel in dense.items() if len(channel.codes)}
             constant = {name: channel.default for name, channel in dense.items() if not len(channel.codes)}
             layer.write_animation(clip.source, sampled, {**clip.missing, **constant}, metric, messages)
@@ -96,12 +100,17 @@ def save_edited(motion: EditableMotion, state: EditState, out: Path, options: Sa
     return SaveResult(target.path, options.content, commands, tuple(messages.warnings))
 
 
-def _with_origin(metric: LearnedMetric) -> LearnedMetric:
-    """Say in the provenance of a metric that was set by hand how it differs from the bi-invariant one."""
+def _with_origin(metric: LearnedMetric, motion: EditableMotion, state: EditState) -> LearnedMetric:
+    """Say in the provenance of a metric which library is used with it, and how it differs from the bi-invariant one."""
+    origin = {name: value for name, value in metric.provenance.items() if name != "library"}
+    if motion.library is not None and metric.scheme == LEARNED:
+        curves = RebuiltMotion.of(motion, state).curves
+        helps = shares([curve.help for curve in curves if isinstance(curve, Learned)])
+        origin["library"] = {"file": motion.library.name, "sha256": motion.library.sha256, "shares": helps}
     styles = [str(style) for style in styles_of(metric)]
-    if metric.quality or not styles:
-        return metric
-    return replace(metric, provenance={**metric.provenance, "styles": styles})
+    if styles and not metric.quality:
+        origin["styles"] = styles
+    return replace(metric, provenance=origin)
 
 
 def _commands(
@@ -118,6 +127,8 @@ def _commands(
     if content == "dense":
         times = "source" if commands else _numbers(motion.codes)
         words = ["upsample", source, f"--times={times}", "--no-xforms"]
+    if metric.scheme == LEARNED and content == "dense":
+        words += ["--library", str(motion.library_path)]
     commands.append([*words, "-o", str(out), *_metric_words(metric), *prim])
     return tuple(f"python -m usd_tools.{shlex.join(words)}" for words in commands)
 
@@ -139,7 +150,7 @@ def _metric_words(metric: LearnedMetric) -> list[str]:
 
 def styles_of(metric: LearnedMetric) -> Sequence[Style]:
     """Spell a metric as styles of single joints; those at the scheme's defaults need none."""
-    usual = CurveParameters.plain(metric.scheme, 1)
+    usual, names = CurveParameters.plain(metric.scheme, 1), short_names(metric.joints)
     parameters, found = metric.parameters, []
     for i, joint in enumerate(metric.joints):
         settings: dict[str, tuple[Any, Any]] = {
@@ -147,12 +158,13 @@ def styles_of(metric: LearnedMetric) -> Sequence[Style]:
             "beta": (float(parameters.beta[i]), 1.0),
             "invariance": (parameters.invariance[i], "left"),
         }
-        if metric.scheme == "geodesic-spline":  # no other has a tension
+        if metric.scheme in BENT:  # no other has a tension
             settings["tension"] = float(metric.tension[i]), float(usual.tension[0])
             settings["translation_tension"] = float(metric.translation_tension[i]), float(usual.translation_tension[0])
         changed: dict[str, Any] = {name: value for name, (value, default) in settings.items() if value != default}
         if parameters.axes is not None and parameters.axes[i].any():
             changed["axes"] = tuple(np.degrees(parameters.axes[i]).tolist())
         if changed:
-            found.append(Style(exactly(joint), **changed))
+            name = names[joint]
+            found.append(Style(exactly(joint if "/" in name else name), **changed))
     return found

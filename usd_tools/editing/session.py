@@ -15,12 +15,12 @@ from geomstats_anim import Animation, LearnedMetric, Skeleton, learn_metric
 from geomstats_anim.geodesics.shortest import Effort
 from geomstats_anim.interpolation.curves import Fallback
 from geomstats_anim.markers import joint_matrices
-from geomstats_anim.names import LEARNABLE
+from geomstats_anim.names import DEFAULT_SCHEME, LEARNABLE, LEARNED, OWN_SCHEMES, SCHEME_NAMES
 from geomstats_anim.rotations import Array
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.progress import ProgressCallback, SearchProgress
 from usd_tools.editing.edits import Edit, UseMetric
-from usd_tools.editing.history import SessionFile, Step
+from usd_tools.editing.history import LibraryOrigin, SessionFile, Step
 from usd_tools.editing.motion import EditableMotion
 from usd_tools.editing.rebuilt import EditErrors, RebuiltMotion
 from usd_tools.editing.saving import SaveOptions, SaveResult, save_edited
@@ -87,6 +87,7 @@ class EditSession:
         cls,
         path: str | os.PathLike[str],
         prim: str | None = None,
+        library: str | os.PathLike[str] | None = None,
         *,
         warn: Callable[[str], None] | None = None,
     ) -> EditSession:
@@ -98,6 +99,9 @@ class EditSession:
         prim : str
             Path of the SkelAnimation, or of its Skeleton, or of a prim above.
             Optional, default: the only animation of the file, or the only one that drives a skeleton.
+        library : path-like
+            Library of in-betweens of the rig, with whose scheme "learned" the session begins.
+            Optional, default: none, so that there is no such scheme.
         warn : callable
             Called with each warning as it comes.
             Optional, default: nobody is told.
@@ -109,11 +113,11 @@ class EditSession:
         Raises
         ------
         ToolError
-            If the file cannot be read, it has several animations, or none that moves.
+            If the file cannot be read, it has several animations, or none that moves, or the library is of another rig.
         """
         path, messages = Path(path), Messages(warn)
         with usd_warnings(messages), reading(path):
-            motion = EditableMotion.open(path, prim, messages)
+            motion = EditableMotion.open(path, prim, None if library is None else Path(library), messages)
             start = EditState.start(motion, messages)
         return cls(motion, start, tuple(messages.warnings))
 
@@ -146,6 +150,11 @@ class EditSession:
     def times(self) -> np.ndarray:
         """Seconds of the frames, shape=[F]."""
         return self._motion.times
+
+    @property
+    def schemes(self) -> tuple[str, ...]:
+        """Schemes that can be used: "learned" with a library only."""
+        return OWN_SCHEMES if self._motion.library is None else SCHEME_NAMES
 
     @property
     def metric(self) -> LearnedMetric:
@@ -298,7 +307,8 @@ class EditSession:
         """
         state, motion = self._state, self._motion
         scheme = scheme or state.metric.scheme
-        if scheme not in LEARNABLE:
+        taught = DEFAULT_SCHEME if scheme == LEARNED else scheme  # a library turns the spline
+        if taught not in LEARNABLE:
             raise ToolError(f"Nothing can be learned for {scheme}; choose {' or '.join(LEARNABLE)}.")
         animations = [part.animation for part in motion.parts]
         watch = SearchProgress(progress, None).watch
@@ -306,10 +316,10 @@ class EditSession:
         if state.is_key.all():
             raise ToolError("All samples are keys, so there is nothing to learn from; take fewer keys.")
         try:
-            found = learn_metric(animations, keyframes, purpose=purpose, family=family, scheme=scheme, progress=watch)
+            found = learn_metric(animations, keyframes, purpose=purpose, family=family, scheme=taught, progress=watch)
         except ValueError as error:
             raise ToolError(f"{self.clip.path}: {error}") from error
-        return UseMetric(found)
+        return UseMetric(found.for_scheme(scheme))
 
     def save(self, out: str | os.PathLike[str], options: SaveOptions | None = None) -> SaveResult:
         """Write the present state to a USD file.
@@ -334,7 +344,7 @@ class EditSession:
     def to_json(self) -> str:
         """Return the edits as JSON, with what they were made for."""
         steps = tuple(self._steps)
-        return SessionFile(self.path.name, self._sha256, self.clip.path, steps).to_json()
+        return SessionFile(self.path.name, self._sha256, self.clip.path, steps, self._library).to_json()
 
     def replay(self, text: str) -> None:
         """Go back to the start, and make the edits that `to_json` gave.
@@ -350,6 +360,10 @@ class EditSession:
                 f"The session is of {stored.source}, {stored.prim}, and not of {self.path.name}, {self.clip.path}, as "
                 "it is now; open that file."
             )
+        if stored.library != self._library:
+            wanted = "no library" if stored.library is None else f"the library {stored.library}"
+            option = "without --library" if stored.library is None else "with it as --library"
+            raise ToolError(f"The session was made with {wanted}; open the clip {option}.")
         states = self._states[:1]
         for step in stored.steps:
             states.append(self._edited(step, states[-1]))
@@ -360,6 +374,11 @@ class EditSession:
     @property
     def _state(self) -> EditState:
         return self._states[-1] if self._dragged is None else self._dragged[1]
+
+    @property
+    def _library(self) -> LibraryOrigin | None:
+        library = self._motion.library
+        return None if library is None else LibraryOrigin(library.name, library.sha256)
 
     @cached_property
     def _sha256(self) -> str:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomstats_anim import LearnedMetric, MetricParameters, optimal_keyframes
-from geomstats_anim.names import DEFAULT_SCHEME, LEARNED, OWN_SCHEMES, SCHEME_NAMES
+from geomstats_anim.names import DEFAULT_SCHEME, LEARNED, SCHEME_NAMES
 from geomstats_anim.parameters import CurveParameters
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.text import did_you_mean, short_names
@@ -29,6 +30,9 @@ from usd_tools.editing.edits import (
 from usd_tools.editing.motion import EditableMotion
 from usd_tools.skel.stored_metric import stored_metric
 from usd_tools.upsampling.joint_styles import Style, styled, unmatched
+
+if TYPE_CHECKING:
+    from geomstats_anim.learning.library.motion_library import MotionLibrary
 
 _SIDES = (("left", "right"), ("l", "r"))
 """Words for the sides of a body, as parts of joint names."""
@@ -51,7 +55,9 @@ class EditState:
 
     @classmethod
     def start(cls, motion: EditableMotion, messages: Messages) -> EditState:
-        """Return the state before any edit: the metric that the file stores, and all its samples.
+        """Return the state before any edit: the metric that the file stores, the scheme of a library if there is one.
+
+        All samples are keys.
 
         Told are joints of which that metric has no entry.
 
@@ -63,21 +69,27 @@ class EditState:
         joints, path = motion.skeleton.joints, motion.clip.path
         metric, stored = LearnedMetric.plain(joints, DEFAULT_SCHEME), stored_metric(motion.clip.source)
         if stored is not None:
-            _check_scheme(stored, f"{path}: the metric", SCHEME_NAMES)
+            _check_scheme(stored, f"{path}: the metric")
             metric, _ = stored.for_joints(joints)
             missing = [joint for joint in motion.clip.joints if joint not in stored.joints]
             if missing:
                 names = short_names(joints)
                 lost = ", ".join(names[joint] for joint in missing)
                 messages.warn(f"{path}: the metric has no entry for {lost}; using the identity there.")
-            if metric.scheme == LEARNED:
-                messages.warn(f"{path}: the scheme {LEARNED} needs a library; using {DEFAULT_SCHEME}.")
+            if metric.scheme == LEARNED and motion.library is None:
+                messages.warn(f"{path}: the scheme {LEARNED} needs a library, see --library; using {DEFAULT_SCHEME}.")
                 metric = metric.for_scheme(DEFAULT_SCHEME)
+        if motion.library is not None:
+            metric = metric.for_scheme(LEARNED)
         return cls(metric, np.ones(len(motion.samples), dtype=bool))
 
     def keyframes(self, motion: EditableMotion) -> list[np.ndarray]:
         """Return the frames of each stretch that are keys."""
         return [np.flatnonzero(self.is_key[part.samples]) for part in motion.parts]
+
+    def library(self, motion: EditableMotion) -> MotionLibrary | None:
+        """Return the library that the scheme uses; None for a scheme without one."""
+        return motion.library.library if motion.library is not None and self.metric.scheme == LEARNED else None
 
 
 def edited(state: EditState, edit: Edit, motion: EditableMotion) -> EditState:
@@ -90,7 +102,10 @@ def edited(state: EditState, edit: Edit, motion: EditableMotion) -> EditState:
     """
     if isinstance(edit, KeyEdit):
         return replace(state, is_key=_with_ends(_keys(state, edit, motion), motion))
-    return replace(state, metric=edited_metric(state.metric, edit))
+    metric = edited_metric(state.metric, edit)
+    if metric.scheme == LEARNED and motion.library is None:
+        raise ToolError(f"The scheme {LEARNED} needs a library; open the clip with --library FILE.")
+    return replace(state, metric=metric)
 
 
 def edited_metric(metric: LearnedMetric, edit: Edit) -> LearnedMetric:
@@ -105,7 +120,7 @@ def edited_metric(metric: LearnedMetric, edit: Edit) -> LearnedMetric:
     if isinstance(edit, UseMetric):
         if not set(edit.metric.joints) & set(joints):
             raise ToolError("The metric has an entry for no joint of this clip.")
-        _check_scheme(edit.metric, "The metric", OWN_SCHEMES)
+        _check_scheme(edit.metric, "The metric")
         return edit.metric.for_joints(joints)[0]
     if isinstance(edit, UseScheme):
         return metric.for_scheme(edit.scheme)
@@ -125,11 +140,11 @@ def edited_metric(metric: LearnedMetric, edit: Edit) -> LearnedMetric:
     return replace(changed, provenance=metric.provenance)
 
 
-def _check_scheme(metric: LearnedMetric, what: str, schemes: Sequence[str]) -> None:
-    if metric.scheme not in schemes:
+def _check_scheme(metric: LearnedMetric, what: str) -> None:
+    if metric.scheme not in SCHEME_NAMES:
         raise ToolError(
             f"{what} names the scheme {metric.scheme!r}, which cannot be used here; the schemes are "
-            f"{', '.join(schemes)}."
+            f"{', '.join(SCHEME_NAMES)}."
         )
 
 

@@ -7,18 +7,14 @@ from functools import partial
 from html import escape
 from typing import TYPE_CHECKING, Any, Protocol
 
-import numpy as np
-
-from geomstats_anim.names import INVARIANCES, MAX_TENSION, OWN_SCHEMES
+from geomstats_anim.names import INVARIANCES, MAX_TENSION
 from usd_tools.editing.saving import CONTENTS
 from usd_tools.viewer.joints import EVERY
+from usd_tools.viewer.log_slider import LogSlider
 from usd_tools.viewer.scene import COLORS
 
 if TYPE_CHECKING:
     import viser
-
-DOUBLINGS = 5.0
-"""Sliders of alpha and beta go from 2^-5 to 2^5."""
 
 OVERLAID, SIDE_BY_SIDE = "overlaid", "side by side"
 EVERY_NTH, ALL_SAMPLES, CHOSEN = "every n-th sample", "the file's samples", "n chosen samples"
@@ -86,14 +82,20 @@ class Controls:
     listener : Listener
     joints : sequence of str
         Lines of the list of joints.
-    presets : sequence of str
+    schemes, presets : sequence of str
         Their names.
     target : str
         File that Save writes.
     """
 
     def __init__(
-        self, server: viser.ViserServer, listener: Listener, joints: Sequence[str], presets: Sequence[str], target: str
+        self,
+        server: viser.ViserServer,
+        listener: Listener,
+        joints: Sequence[str],
+        schemes: Sequence[str],
+        presets: Sequence[str],
+        target: str,
     ) -> None:
         self._server, self._listener = server, listener
         self._gui: Any = server.gui  # viser's types say that values cannot be set
@@ -104,7 +106,7 @@ class Controls:
         with self._gui.add_folder("Joint"):
             self._add_joint(joints)
         with self._gui.add_folder("In-betweens"):
-            self._add_in_betweens(presets)
+            self._add_in_betweens(schemes, presets)
         with self._gui.add_folder("View", expand_by_default=False):
             self._add_view()
         with self._gui.add_folder("Save"):
@@ -114,14 +116,9 @@ class Controls:
         gui, listener = self._gui, self._listener
         self.joint = gui.add_dropdown("joint", (EVERY, *joints), hint="Or click on the character; type to search.")
         self.pattern = gui.add_text("or joints like", "*", hint="Glob such as *Arm*, matched against joint names.")
-        ends = (-DOUBLINGS, f"1/{2**DOUBLINGS:g}"), (0.0, "1"), (DOUBLINGS, f"{2**DOUBLINGS:g}")
         halves = (0.0, "0"), (1.0, "1"), (MAX_TENSION, f"{MAX_TENSION:g}")
-        self.alpha = gui.add_slider(
-            "alpha", -DOUBLINGS, DOUBLINGS, 0.05, 0.0, marks=ends, hint="Cost of turns about the second axis: 2^x."
-        )
-        self.beta = gui.add_slider(
-            "beta", -DOUBLINGS, DOUBLINGS, 0.05, 0.0, marks=ends, hint="Cost of turns about the third axis: 2^x."
-        )
+        self.alpha = LogSlider(gui, "alpha", "Cost of turns about the second axis; the first axis costs 1.")
+        self.beta = LogSlider(gui, "beta", "Cost of turns about the third axis; the first axis costs 1.")
         self.tension = gui.add_slider(
             "tension",
             0.0,
@@ -139,7 +136,7 @@ class Controls:
         self.on_change(self.joint, listener.choose_joint)
         self.on_change(self.pattern, listener.choose_pattern)
         for field in ("alpha", "beta"):
-            self.on_change(getattr(self, field), partial(_drag_power, listener, field))
+            getattr(self, field).on_change(partial(listener.drag, field))
         for field in ("tension", "translation_tension", "axes", "invariance"):
             self.on_change(getattr(self, field), partial(listener.drag, field))
         resets = gui.add_button_group("reset", ("these", "all joints"))
@@ -148,9 +145,9 @@ class Controls:
         self.steps = gui.add_button_group("edits", ("undo", "redo"))
         self.steps.on_click(lambda event: listener.step(event.target.value))
 
-    def _add_in_betweens(self, presets: Sequence[str]) -> None:
+    def _add_in_betweens(self, schemes: Sequence[str], presets: Sequence[str]) -> None:
         gui, listener = self._gui, self._listener
-        self.scheme = gui.add_dropdown("scheme", OWN_SCHEMES)
+        self.scheme = gui.add_dropdown("scheme", tuple(schemes))
         self.on_change(self.scheme, listener.use_scheme)
         self.preset = gui.add_dropdown("preset", tuple(presets))
         gui.add_button("Use preset").on_click(lambda _: listener.use_preset(self.preset.value))
@@ -206,8 +203,8 @@ class Controls:
         """Show the settings of the chosen joints."""
         with self._server.atomic():
             self.joint.value, self.pattern.value = line, pattern
-            self.alpha.value = float(np.clip(np.log2(values["alpha"]), -DOUBLINGS, DOUBLINGS))
-            self.beta.value = float(np.clip(np.log2(values["beta"]), -DOUBLINGS, DOUBLINGS))
+            self.alpha.show(values["alpha"])
+            self.beta.show(values["beta"])
             self.tension.value, self.translation_tension.value = values["tension"], values["translation_tension"]
             self.axes.value, self.invariance.value = tuple(values["axes"]), values["invariance"]
 
@@ -232,10 +229,6 @@ class Controls:
     def set_presets(self, names: Sequence[str]) -> None:
         """List other presets."""
         self.preset.options = tuple(names)
-
-
-def _drag_power(listener: Listener, field: str, power: float) -> None:
-    listener.drag(field, float(2.0**power))
 
 
 def _word(words: dict[str, str], text: str) -> str:

@@ -33,6 +33,9 @@ class LiveOptions(Options):
     prim : str
         Path of the SkelAnimation, or of its Skeleton, or of a prim above.
         Optional, default: the only animation of the file, or the only one that drives a skeleton.
+    library : Path
+        Library of in-betweens of the rig, as `usd_tools.learn --library` makes it, for the scheme "learned".
+        Optional, default: none.
     port : int
         Port of the page; 0 for any that is free.
         Optional, default: the first free one from 8080 on.
@@ -48,6 +51,7 @@ class LiveOptions(Options):
     """
 
     prim: str | None = option(None, str)
+    library: Path | None = option(None, Path)
     port: int | None = option(None, port_number, recorded=False)
     host: str = option(LOCAL, str, recorded=False)
     presets: Path | None = option(None, Path, recorded=False)

@@ -65,7 +65,7 @@ class LivePage:
         self._search: Search | None = None
         self._stopped = threading.Event()
         self.timeline = Timeline(server, len(session.times), self.seek, self.toggle)
-        self.controls = Controls(server, self, self._lines, self._preset_names(), str(out))
+        self.controls = Controls(server, self, self._lines, session.schemes, self._preset_names(), str(out))
         up = up_axis(session.clip)
         self.view = View(
             session,

@@ -23,7 +23,7 @@ def serve(
 ) -> None:
     """Open a file and show it until an interrupt; see `usd_tools.live.live`."""
     Output(source, out, SaveOptions()).check()
-    session = EditSession.open(source, options.prim, warn=warn)
+    session = EditSession.open(source, options.prim, options.library, warn=warn)
     presets = options.presets or out.parent / "presets"
     with serving(options.host, options.port) as server:
         host = "localhost" if options.host in (LOCAL, "0.0.0.0", "::") else options.host

@@ -89,6 +89,12 @@ def test_a_clip_is_edited_with_the_mouse(tmp_path):
             tab.mouse.up()
             until(tab, lambda: getattr(session.edits[-1], "alpha", None) and session.edits[-1].alpha > 2.0)
             assert np.abs(session.poses(OURS) - motion).max() > 1e-4
+
+            # the box beside the slider shows and takes the value, not its logarithm
+            alpha = tab.get_by_label("alpha =", exact=True)
+            until(tab, lambda: float(alpha.input_value()) == round(session.edits[-1].alpha, 4))
+            alpha.fill("0.5")
+            until(tab, lambda: session.edits[-1].alpha == 0.5)
             assert autosave_path(out).exists()
 
             tab.get_by_role("button", name="Play").click()

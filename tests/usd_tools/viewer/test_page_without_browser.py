@@ -53,7 +53,8 @@ def test_a_dragged_slider_is_one_step_of_undo(page):
     page.step("undo")
     page.work()
     assert page.session.edits[-1].alpha == 8.0 and len(page.session.edits) == 2
-    assert page.controls.alpha.value == 3.0 and page.controls.beta.value == 0.0
+    assert page.controls.alpha.slider.value == 3.0 and page.controls.beta.slider.value == 0.0
+    assert page.controls.alpha.box.value == 8.0 and page.controls.beta.box.value == 1.0
     page.step("undo")
     page.work()
     np.testing.assert_array_equal(page.session.poses(OURS), before)
