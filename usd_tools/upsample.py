@@ -18,7 +18,7 @@ from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
 from usd_tools.console.progress import ProgressBar, ProgressCallback
 from usd_tools.skel.frame_rates import typed_rate
-from usd_tools.upsampling.arguments import add_cuts, add_library, add_metric
+from usd_tools.upsampling.arguments import add_contacts, add_cuts, add_library, add_metric
 from usd_tools.upsampling.joint_styles import Style
 from usd_tools.upsampling.options import UpsampleOptions
 from usd_tools.upsampling.result import UpsampledAnimation, UpsampleResult
@@ -155,6 +155,7 @@ def parser(prog: str = PROG) -> ArgumentParser:
     parse.add_argument("-o", "--out", metavar="OUT", type=Path, help="USD file, or folder, to write; .usdz packs all")
     _add_times(parse)
     add_cuts(parse)
+    add_contacts(parse)
     add_metric(parse)
     add_library(parse)
     add_prim(parse)

@@ -39,6 +39,22 @@ def add_cuts(parse: argparse.ArgumentParser) -> None:
     )
 
 
+def add_contacts(parse: argparse.ArgumentParser) -> None:
+    """Add the options that keep feet on the ground."""
+    parse.add_argument(
+        "--contacts",
+        action="store_true",
+        help="keep what is planted on the ground in two samples, such as feet, in place between them: the joints above "
+        "turn as little as their metric allows, and what moves the whole body comes last",
+    )
+    parse.add_argument(
+        "--contact-reach",
+        metavar="CM",
+        type=positive_number,
+        help="with --contacts: leave a point to lift that would have to be moved further than this; default: 10",
+    )
+
+
 def add_metric(parse: argparse.ArgumentParser) -> None:
     """Add the options for the scheme and its metric."""
     parse.add_argument(

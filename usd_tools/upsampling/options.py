@@ -135,12 +135,19 @@ class UpsampleOptions(CurveOptions):
         Time codes of the stage; or "source": where `downsample` removed samples.
     retime : bool
         With `fps`: give the output `fps` time codes per second, so that added samples are whole frames.
+    contacts : bool
+        Keep points that are planted on the ground, such as feet, where they are between samples.
+    contact_reach : float
+        With `contacts`: centimetres by which a point is moved at most; one that would be moved further is left to lift.
+        Optional, default: 10.
     """
 
     factor: int | None = option(None, whole_number)
     fps: float | None = option(None, typed_rate)
     times: TimeCodes | None = option(None, as_time_codes)
     retime: bool = option(False, bool)
+    contacts: bool = option(False, bool)
+    contact_reach: float | None = option(None, positive_number)
 
     def check(self) -> None:
         """Refuse values that do not go together."""
@@ -149,4 +156,6 @@ class UpsampleOptions(CurveOptions):
             raise UsageError(f"name exactly one of --factor, --fps and --times, not {' and '.join(given) or 'none'}")
         if self.retime and self.fps is None:
             raise UsageError("--retime needs --fps")
+        if self.contact_reach is not None and not self.contacts:
+            raise UsageError("--contact-reach needs --contacts")
         super().check()

@@ -11,6 +11,29 @@ from usd_tools.console.text import counted
 
 
 @dataclass(frozen=True)
+class KeptContacts:
+    """Points of one animation that stay planted.
+
+    Parameters
+    ----------
+    joints : tuple of str
+        Where they are.
+    kept, left : int
+        Times that a point is planted between two samples, and times that it is left to lift.
+    largest_cm : float
+        The longest way by which a point is moved.
+    largest_degrees : float
+        The largest turn of a joint for it.
+    """
+
+    joints: tuple[str, ...] = ()
+    kept: int = 0
+    left: int = 0
+    largest_cm: float = 0.0
+    largest_degrees: float = 0.0
+
+
+@dataclass(frozen=True)
 class UpsampledAnimation:
     """Result for one animation.
 
@@ -51,6 +74,8 @@ class UpsampledAnimation:
         Likewise, the steps of more than 120 degrees.
     fallbacks : tuple of dict
         Segments that are slerped because their geodesic was not found: joint, start, end, status, sentence.
+    contacts : KeptContacts or None
+        None if they were not asked for.
     """
 
     prim: str
@@ -76,6 +101,7 @@ class UpsampledAnimation:
     largest_step: dict[str, Any] | None
     wide_steps: tuple[dict[str, Any], ...]
     fallbacks: tuple[dict[str, Any], ...]
+    contacts: KeptContacts | None = None
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ from usd_tools.skel.time_codes import clips_with_source_codes, codes_for
 from usd_tools.skel.writer import AnimationLayer
 from usd_tools.skel.xforms import cuts_of, find_xform_ops, resample_op
 from usd_tools.upsampling.clips import animated_clips, check_schemes, check_size, read_library, with_cuts
+from usd_tools.upsampling.contacts import ClipContacts
 from usd_tools.upsampling.cycles import Cycles
 from usd_tools.upsampling.interpolation import interpolated
 from usd_tools.upsampling.metric import choose_metrics
@@ -198,13 +199,18 @@ def _upsampled(
     metrics = choose_metrics(path, clips, options, messages, progress, read_library(options))
     check_schemes(options, clips, metrics)
     cycles = Cycles(clips, messages) if options.loop else None
-    targets = [_target_codes(options, clip, messages) for clip in (cycles.closed if cycles else clips)]
-    if cycles is None:
-        results = interpolated(clips, targets, metrics, progress)
-    else:
+    whole = cycles.closed if cycles else clips
+    targets = [_target_codes(options, clip, messages) for clip in whole]
+    contacts = [ClipContacts(clip, options.contact_reach, messages) for clip in whole] if options.contacts else []
+    wanted = [each.with_probes(codes) for each, codes in zip(contacts, targets, strict=True)] if contacts else targets
+    if cycles is not None:
         targets = [cycles.before_end(k, codes) for k, codes in enumerate(targets)]
-        results = cycles.interpolated(targets, metrics, progress)
+        results = cycles.interpolated(wanted if contacts else targets, metrics, progress)
+    else:
+        results = interpolated(clips, wanted, metrics, progress)
     upsampled = [UpsampledClip(*parts) for parts in zip(clips, targets, metrics, results, strict=True)]
+    if contacts:
+        upsampled = [each.planted(work) for each, work in zip(contacts, upsampled, strict=True)]
     if options.no_xforms:
         return upsampled
     return [_with_xforms(k, each, cycles, options, messages) for k, each in enumerate(upsampled)]

@@ -21,10 +21,13 @@ from usd_tools.skel.resampling import Resampled
 from usd_tools.skel.rotation_checks import WIDE_DEGREES, largest_step, rotation_steps, wide_steps
 from usd_tools.skel.xforms import XformOp
 from usd_tools.upsampling.metric import ChosenMetric
-from usd_tools.upsampling.result import UpsampledAnimation, UpsampleResult
+from usd_tools.upsampling.result import KeptContacts, UpsampledAnimation, UpsampleResult
 
 _NAMED_CUTS = 5
 """Cuts that are named; the report lists all."""
+
+_NAMED_JOINTS = 6
+"""Likewise, of joints that are planted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +39,7 @@ class UpsampledClip:
     chosen: ChosenMetric
     result: Resampled
     xforms: tuple[tuple[XformOp, Channel], ...] = ()
+    contacts: KeptContacts | None = None
 
     @cached_property
     def degrees(self) -> np.ndarray:
@@ -86,6 +90,8 @@ def _print_animation(animation: UpsampledAnimation, verbose: bool) -> None:
     how = _how(animation) if animation.joints else "blend shapes, linear"
     transforms = f", {counted(len(animation.xforms), 'transform')}" if animation.xforms else ""
     say(f"{animation.prim}: {_growth(animation)}, {counted(animation.joints, 'joint')}{transforms}; {how}")
+    if animation.contacts is not None:
+        say(f"  {_contacts(animation.contacts)}")
     if verbose:
         say(f"  drives {', '.join(animation.skeletons) or 'no skeleton'}")
         if animation.metric_summary is not None:
@@ -94,6 +100,20 @@ def _print_animation(animation: UpsampledAnimation, verbose: bool) -> None:
             say(f"  {name}: {channel['samples_before']} -> {channel['samples_after']} samples")
         for xform in animation.xforms:
             say(f"  {xform['attribute']}: {xform['samples_before']} -> {xform['samples_after']} samples")
+
+
+def _contacts(contacts: KeptContacts) -> str:
+    """Return what was kept on the ground, in words."""
+    if not contacts.joints:
+        return "contacts: nothing is planted on the ground between two samples"
+    names = short_names(contacts.joints)
+    named = ", ".join(names[joint] for joint in contacts.joints[:_NAMED_JOINTS])
+    more = f" and {len(contacts.joints) - _NAMED_JOINTS} more" if len(contacts.joints) > _NAMED_JOINTS else ""
+    left = f"; {counted(contacts.left, 'time')} left to lift" if contacts.left else ""
+    return (
+        f"contacts: {named}{more} stay planted, {counted(contacts.kept, 'time')}{left}; moved by at most "
+        f"{contacts.largest_cm:.1f} cm, joints turned by {contacts.largest_degrees:.1f} degrees"
+    )
 
 
 def _how(animation: UpsampledAnimation) -> str:
@@ -229,4 +249,5 @@ def describe(upsampled: UpsampledClip, stretch: float = 1.0) -> UpsampledAnimati
             }
             for fallback in upsampled.result.fallbacks
         ),
+        contacts=upsampled.contacts,
     )
