@@ -14,6 +14,7 @@ from geomstats_anim.codec import pack, unpack
 from geomstats_anim.keyframes.problem import by_halving
 from geomstats_anim.markers import Markers, joint_matrices, world_errors
 from geomstats_anim.rotations import normalize
+from usd_tools.comparison.acl import ACL, acl_bytes
 from usd_tools.skel.sizes import bytes_numpy
 
 _FINEST = 2.0**-24
@@ -33,13 +34,13 @@ class RateDistortion:
     ----------
     clip : str
     method : str
-        A key of `METHODS`.
+        A key of `METHODS`, or `ACL`.
     tolerance_cm : float
         What was asked for.
     bytes : int or None
         Of motion alone; None where the method cannot keep the tolerance.
     largest_cm, mean_cm : float or None
-        Errors of joints, bone ends and shell in the world.
+        Errors of joints, bone ends and shell in the world; None where nothing was decoded.
     share : float or None
         Of the bytes of the samples as they are, as the papers count.
     """
@@ -83,6 +84,14 @@ def rate_distortion(clip: str, method: str, stretches: Sequence[Animation], tole
     )
     share = encoded.size / bytes_numpy(stretches, None)
     return RateDistortion(clip, method, tolerance, encoded.size, float(errors.max()), float(errors.mean()), share)
+
+
+def acl_reference(clip: str, stretches: Sequence[Animation], tolerance: float) -> RateDistortion | None:
+    """Return the bytes of ACL for a clip within a tolerance, centimetres; None if they are not known."""
+    size = acl_bytes(stretches, tolerance)
+    if size is None:
+        return None
+    return RateDistortion(clip, ACL, tolerance, size, None, None, size / bytes_numpy(stretches, None))
 
 
 def _packed(stretches: Sequence[Animation], tolerance: float) -> Encoded:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 
-from usd_tools.comparison.distortion import METHODS, RateDistortion, rate_distortion
+from usd_tools.comparison.distortion import METHODS, RateDistortion, acl_reference, rate_distortion
 from usd_tools.comparison.options import CompareOptions
 from usd_tools.comparison.report.report import write_report
 from usd_tools.comparison.result import TOOL, CompareResult
@@ -96,6 +96,8 @@ def _rate_distortion(
             for tolerance in options.tolerances:
                 points.append(rate_distortion(each.name, method, each.take.stretches, tolerance))
                 bar.advance(1.0, f"Packing: {each.name}, {method}")
+        known = (acl_reference(each.name, each.take.stretches, tolerance) for tolerance in options.tolerances)
+        points += [point for point in known if point is not None]
     return points
 
 

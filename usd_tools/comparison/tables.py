@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from usd_tools.comparison.acl import ACL, SOURCE
 from usd_tools.comparison.distortion import RateDistortion
 from usd_tools.comparison.result import CompareResult
 from usd_tools.comparison.trials import Row
@@ -45,6 +46,8 @@ def print_summary(result: CompareResult, kind: str, verbose: bool) -> None:
     say(EXPLANATION)
     if result.rate_distortion:
         say(COMPARING)
+    if any(point.method == ACL for point in result.rate_distortion):
+        say(SOURCE)
     if verbose:
         say(FITTED)
     say(f"Wrote {result.path}; open {result.path / 'index.html'} in a browser.")

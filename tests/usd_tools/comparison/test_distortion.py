@@ -1,6 +1,7 @@
 """Bytes against largest error: within the tolerance by every method, on the page, and in results.json."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,8 +10,10 @@ from scipy.spatial.transform import Rotation
 
 from geomstats_anim import Animation, Skeleton
 from geomstats_anim.codec import pack
+from usd_tools.comparison.acl import ACL, SOURCE
 from usd_tools.comparison.distortion import METHODS, rate_distortion
 
+CLIP = Path(__file__).parents[2] / "data" / "sitting.usdc"
 N = 40
 TOLERANCES = (0.2, 1.0, 5.0)
 
@@ -59,3 +62,16 @@ def test_compare_tells_bytes_in_tables_figures_and_results(tmp_path, run):
         assert f"<td>{size}</td>" in page
     assert "nanoseconds" in text and "nanoseconds" in page
     assert (tmp_path / "out" / "figures" / "bytes.png").stat().st_size > 10_000
+
+
+@pytest.mark.slow
+def test_compare_tells_the_bytes_of_acl_beside_its_source(tmp_path, run):
+    words = ["--rates", 0.3, "--schemes", "slerp", "--tolerances", 1, 2]
+    code, text, _ = run("compare", CLIP, "-o", tmp_path / "out", *words)
+    assert code == 0
+    told = json.loads((tmp_path / "out" / "results.json").read_text())["rate_distortion"]
+    (known,) = [point for point in told if point["method"] == ACL]
+    assert (known["bytes"], known["tolerance_cm"], known["largest_cm"]) == (2221, 1.0, None)
+    page = (tmp_path / "out" / "index.html").read_text()
+    for shown in (" ".join(text.split()), page):
+        assert ACL in shown and "2221" in shown and SOURCE in shown and "nanoseconds" in shown

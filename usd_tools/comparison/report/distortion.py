@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from usd_tools.comparison.acl import ACL
 from usd_tools.comparison.distortion import METHODS, RateDistortion
 from usd_tools.figures.style import INK
 
@@ -14,7 +15,9 @@ if TYPE_CHECKING:
 COLUMNS = 5
 """Clips side by side."""
 
-_LOOKS = dict(zip(METHODS, (("#d1495b", "o"), ("#00798c", "s"), ("#edae49", "^"), ("#8d96a3", "v")), strict=True))
+_MARKS = (("#d1495b", "o"), ("#00798c", "s"), ("#edae49", "^"), ("#8d96a3", "v"), ("#3d3d3d", "D"))
+
+_LOOKS = dict(zip((*METHODS, ACL), _MARKS, strict=True))
 """Colour and marker of each method."""
 
 
@@ -40,7 +43,7 @@ def draw_rate_distortion(points: Sequence[RateDistortion]) -> Figure:
         panel.set_visible(False)
     for clip, panel in zip(clips, axes.ravel(), strict=False):
         for method, (color, marker) in _LOOKS.items():
-            # keys that stay whole are exact: there is nothing to put on a logarithmic axis, so the tolerance is shown
+            # keys that stay whole are exact and ACL is not run: the tolerance is shown, for the axis is logarithmic
             curve = sorted(
                 (point.largest_cm or point.tolerance_cm, point.bytes)
                 for point in points
@@ -54,6 +57,11 @@ def draw_rate_distortion(points: Sequence[RateDistortion]) -> Figure:
         panel.set_xlabel("largest error (cm)")
         panel.grid(True, which="major", alpha=0.25)
     axes[0, 0].set_ylabel("bytes of motion")
-    handles, labels = axes[0, 0].get_legend_handles_labels()
+    labelled = {
+        label: handle
+        for panel in axes.ravel()
+        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
+    }
+    labels, handles = list(labelled), list(labelled.values())
     figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 2 * n_columns), frameon=False)
     return figure

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from usd_tools.comparison.acl import ACL, SOURCE
 from usd_tools.comparison.distortion import METHODS, RateDistortion
 from usd_tools.comparison.report.charts import curves
 from usd_tools.comparison.report.figures import Picture, telling
@@ -77,7 +78,8 @@ def write_page(
         kind=kind,
         columns=list(COLUMNS.values()),
         qualities=[_matrix(rows, clips, kind, unseen) for unseen in (False, True)],
-        methods=list(METHODS),
+        methods=_methods(points),
+        source=SOURCE if ACL in _methods(points) else "",
         sizes=_sizes(points),
         long_tables={clip: [_cells(row) for row in rows if row.clip == clip] for clip in clips},
         failures=[row for row in rows if row.error is not None],
@@ -110,11 +112,16 @@ def _matrix(rows: Sequence[Row], clips: Sequence[str], kind: str, unseen: bool) 
     return {"words": [(word, look(word.partition(", ")[0]).color) for word in words], "lines": lines}
 
 
+def _methods(points: Sequence[RateDistortion]) -> list[str]:
+    """Name the methods whose bytes are shown: ACL where it is known."""
+    return [*METHODS, *([ACL] if any(point.method == ACL for point in points) else [])]
+
+
 def _sizes(points: Sequence[RateDistortion]) -> list[dict[str, Any]]:
     """Make a table of bytes: clips and tolerances down, methods across."""
     found = {(point.clip, point.tolerance_cm, point.method): point.bytes for point in points}
     lines = dict.fromkeys((clip, tolerance) for clip, tolerance, _ in found)
-    cells = {line: [found[(*line, method)] for method in METHODS] for line in lines}
+    cells = {line: [found.get((*line, method)) for method in _methods(points)] for line in lines}
     return [
         {"clip": clip, "tolerance": f"{tolerance:g} cm", "cells": ["–" if n is None else str(n) for n in row]}
         for (clip, tolerance), row in cells.items()
