@@ -1,4 +1,4 @@
-"""Wherever bytes are compared with those of ACL, it is said that it does something else: single poses, in nanoseconds."""
+"""Wherever bytes stand beside those of ACL, it is said that it does something else: single poses, in nanoseconds."""
 
 import re
 from pathlib import Path
