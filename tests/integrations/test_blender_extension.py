@@ -12,8 +12,10 @@ import pytest
 from blender import call_blender
 from pxr import Usd
 
-from geomstats_anim import LearnedMetric, interpolate
+from geomstats_anim import LearnedMetric, interpolate, learn_library, quality
 from geomstats_anim import rotations as quat
+from geomstats_anim.learning.library.storage import dump_library
+from usd_tools.learn import LearnOptions, learn
 from usd_tools.skel.clip import read_clip
 from usd_tools.skel.find import find_animations
 from usd_tools.skel.resampling import animation_of
@@ -84,3 +86,35 @@ def test_every_rotation_mode_undo_live_and_remove(tmp_path, in_blender):
     options = UpsampleOptions(factor=2, metric="stored")
     (result,) = upsample(tmp_path / "styled.usda", tmp_path / "up.usda", options).animations
     assert (result.metric, result.scheme, result.joints_without_metric) == ("stored", "geodesic-spline", ())
+
+
+@pytest.mark.slow
+def test_metrics_come_and_go_and_what_is_locked_stays(tmp_path, in_blender):
+    learn([PUNCHING], tmp_path / "in.usda", LearnOptions(rate=0.2))
+    clip = only_clip(PUNCHING)
+    motion = animation_of(clip)
+
+    def at_codes(codes):
+        return motion.at_frames(np.searchsorted(clip.codes, np.array(codes) - 1e-6))
+
+    library = learn_library([motion], gaps=(6,))
+    (tmp_path / "rig.inbetween").write_bytes(dump_library(library))
+    in_blender("style_extension.py", tmp_path / "in.usda", tmp_path / "rig.inbetween", tmp_path)
+    found, learned = (LearnedMetric.from_json((tmp_path / name).read_text()) for name in ("found.json", "learned.json"))
+    # what learn has stored, Blender finds; what was learned in Blender, upsample finds
+    stored = stored_metric(only_clip(tmp_path / "in.usda").source)
+    assert json.loads(found.to_json()) == json.loads(stored.to_json())
+    again = only_clip(tmp_path / "again.usda")
+    assert json.loads(stored_metric(again.source).to_json()) == json.loads(learned.to_json())
+    kept = json.loads((tmp_path / "kept.json").read_text())
+    fitted = interpolate(at_codes(kept), motion.times, metric=learned)
+    assert quality(fitted, motion) == pytest.approx(learned.provenance["score"], rel=1e-3)
+    assert quality(fitted, motion) < 0.95 * quality(interpolate(at_codes(kept), motion.times, "slerp"), motion)
+    # the library of one clip promises nothing, so that its spline is left
+    shown = np.load(tmp_path / "in_library.npz")
+    keys = motion.at_frames(np.union1d(np.arange(0, motion.n_frames, 6), motion.n_frames - 1))
+    expected = interpolate(keys, motion.times, "learned", metric=stored, library=library)
+    (b,) = [i for i, joint in enumerate(motion.skeleton.joints) if joint.endswith(f"/{shown['bone']}")]
+    turned = quat.multiply(quat.conjugate(expected.rotations[:1, b]), expected.rotations[:, b])
+    theirs = quat.normalize(shown["turns"].T[:, [1, 2, 3, 0]])
+    assert quat.distance(turned, quat.multiply(quat.conjugate(theirs[:1]), theirs)).max() < 1e-5

@@ -23,16 +23,19 @@ def python_with_blender():
     return None
 
 
-def _call(python, *arguments):
-    return subprocess.run([python, *map(str, arguments)], capture_output=True, text=True, check=False)
+def _call(*command):
+    return subprocess.run([*map(str, command)], capture_output=True, text=True, check=False)
 
 
-def call_blender(script, *arguments):
-    """Run a script in a Python that has bpy, and return how it ended. Skip where there is none."""
+def call_blender(script, *arguments, wrapper=()):
+    """Run a script in a Python that has bpy, and return how it ended. Skip where there is none.
+
+    The wrapper is a command that runs another, such as xvfb-run.
+    """
     python = python_with_blender()
     if python is None:
         pytest.skip("Blender is not there: pip install -e '.[blender]', or name a Python with bpy in BLENDER_PYTHON")
-    return _call(python, script, *arguments)
+    return _call(*wrapper, python, script, *arguments)
 
 
 def blender(script, source, out, *arguments):

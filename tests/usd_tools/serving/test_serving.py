@@ -5,10 +5,12 @@ import json
 
 import numpy as np
 import pytest
+from gaits import gait, library
 from scipy.spatial.transform import Rotation
 
 from geomstats_anim import Animation, LearnedMetric, MetricParameters, Skeleton, interpolate, learn_metric
 from geomstats_anim import rotations as quat
+from geomstats_anim.learning.library.storage import dump_library, load_library
 from usd_tools.serving.channels import EULER
 from usd_tools.serving.messages import read_message, write_message
 from usd_tools.serving.run import serve
@@ -153,6 +155,7 @@ def test_in_betweens_continue_from_the_key_before():
     assert ((arrays["0/0"] * before).sum(axis=1) > 0.0).all()
 
 
+@pytest.mark.slow
 def test_learning_is_that_of_the_library():
     times = np.linspace(0.0, 1.0, 21)
     turns = np.stack(
@@ -170,6 +173,43 @@ def test_learning_is_that_of_the_library():
     for name in ("score", "slerp_score", "plain_score"):
         assert answer["metric"]["provenance"][name] == pytest.approx(found.provenance[name], rel=1e-3)
     assert all(list(report) == ["progress"] for report, _ in reports)
+
+
+@pytest.mark.slow
+def test_a_library_is_used_for_whole_poses_of_its_rig(tmp_path):
+    walk = gait(20)
+    keys, skeleton = walk.at_frames(np.arange(0, 80, 8)), walk.skeleton
+    (tmp_path / "rig.inbetween").write_bytes(dump_library(library()))
+    known = load_library((tmp_path / "rig.inbetween").read_bytes())
+    n = skeleton.n_joints
+    header = {
+        "request": "in-betweens",
+        "joints": skeleton.joints,
+        "parents": skeleton.parents.tolist(),
+        "metric": json.loads(LearnedMetric.plain(skeleton.joints, "learned").to_json()),
+        "metres": 0.01,
+        "library": str(tmp_path / "rig.inbetween"),
+        "up": [0.0, 1.0, 0.0],
+        "groups": [[[b, "QUATERNION"] for b in range(n)]],
+    }
+    rest = np.concatenate([skeleton.rest_rotations, 100.0 * skeleton.rest_translations], axis=1)
+    arrays = {"rest": rest, "0/times": keys.times, "0/wanted": walk.times[1:70]}
+    arrays |= {f"0/{b}": keys.rotations[:, b][:, [3, 0, 1, 2]] for b in range(n)}
+    alone = dict(arrays) | {"1/times": keys.times, "1/wanted": arrays["0/wanted"], "1/0": arrays["0/0"]}
+    answers = asked(
+        (header, arrays),
+        ({**header, "up": [0.0, 0.0, 1.0]}, arrays),
+        ({**header, "groups": [*header["groups"], [[0, "QUATERNION"]]]}, alone),
+        ({**header, "joints": [f"other/{joint}" for joint in skeleton.joints]}, arrays),
+    )
+    expected = interpolate(keys, walk.times[1:70], "learned", library=known)
+    shown = np.stack([read(answers[0][1][f"0/{b}"], "QUATERNION") for b in range(n)], axis=1)
+    assert quat.distance(shown, expected.rotations).max() < 1e-12
+    assert quat.distance(shown, interpolate(keys, walk.times[1:70]).rotations).max() > 1e-2
+    for (refused, _), fault in zip(
+        answers[1:], ("another axis is up", "needs whole poses", "another rig"), strict=True
+    ):
+        assert fault in refused["error"]
 
 
 TRACK = (0, "QUATERNION", np.tile([1.0, 0.0, 0.0, 0.0], (5, 1)))
