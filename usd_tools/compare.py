@@ -141,6 +141,13 @@ def parser(prog: str = PROG) -> ArgumentParser:
         help="count the bytes of motion that usd_tools.pack, usd_tools.downsample, slerp and plain rounding need to "
         "keep every joint, bone end and point around joints within each distance; default: none",
     )
+    parse.add_argument(
+        "--library",
+        metavar="FILE",
+        type=Path,
+        help="compare the scheme learned, too, by this library of clips of the same rig, made by usd_tools.learn "
+        "--library; a clip of the library is scored by what its other clips teach, which are looked for beside it",
+    )
     add_workers(parse)
     add_prim(parse)
     parse.add_argument("-v", "--verbose", action="store_true", help="print all columns of the tables")

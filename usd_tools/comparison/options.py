@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
-from geomstats_anim.names import DEFAULT_SCHEME, FAMILIES, KINDS, OWN_SCHEMES, PURPOSES, WITH_METRIC
+from geomstats_anim.names import DEFAULT_SCHEME, FAMILIES, KINDS, LEARNABLE, LEARNED, OWN_SCHEMES, PURPOSES
 from usd_tools.console.arguments import positive_number, share, whole_number
 from usd_tools.console.options import PrimOptions, one_of, option
 from usd_tools.console.parser import listed
@@ -51,11 +52,13 @@ class SchemeChoice:
             If there is no such scheme or family, or the scheme learns nothing.
         """
         scheme, colon, family = text.partition(":")
+        if scheme == LEARNED:
+            raise argparse.ArgumentTypeError(f"{LEARNED} needs a library: give compare --library FILE instead")
         if scheme not in OWN_SCHEMES:
             raise argparse.ArgumentTypeError(
                 f"must be {listed(OWN_SCHEMES)}, not {scheme!r}{did_you_mean(scheme, OWN_SCHEMES)}"
             )
-        if scheme not in WITH_METRIC:
+        if scheme not in LEARNABLE:
             if colon:
                 raise argparse.ArgumentTypeError(f"{scheme} has no metric, so it has no family; write {scheme} alone")
             return cls(scheme, scheme, None)
@@ -107,6 +110,9 @@ class CompareOptions(PrimOptions):
     tolerances : tuple of float
         Centimetres: how many bytes `pack`, `downsample`, slerp and plain rounding need to stay within each.
         Optional, default: none, which takes no time.
+    library : Path
+        File that `learn` made of clips of the same rig: its scheme "learned" is compared, too. A clip that it has
+        learned from is scored by a library of its other clips.
     address : str
         HOST:PORT of a Ray cluster.
     cpus : int
@@ -118,11 +124,22 @@ class CompareOptions(PrimOptions):
     schemes: tuple[SchemeChoice, ...] = option(DEFAULT_CHOICES, _schemes)
     kind: str = option("hyb", one_of(KINDS))
     tolerances: tuple[float, ...] = option((), _tolerances)
+    library: Path | None = option(None, Path)
     address: str | None = option(None, str, recorded=False)
     cpus: int | None = option(None, whole_number, recorded=False)
 
+    @property
+    def choices(self) -> tuple[SchemeChoice, ...]:
+        """The schemes, and the one that a library is for."""
+        own = () if self.library is None else (SchemeChoice(LEARNED, LEARNED, None),)
+        return tuple(dict.fromkeys((*self.schemes, *own)))
+
     def settings(self) -> dict[str, Any]:
         """Return what was asked for, lists as they are."""
-        schemes = list(dict.fromkeys(choice.word for choice in self.schemes))
+        schemes = list(dict.fromkeys(choice.word for choice in self.choices))
         settings = {"rates": list(self.rates), "schemes": schemes, "kind": self.kind, "prim": list(self.prim)}
-        return settings | ({"tolerances": list(self.tolerances)} if self.tolerances else {})
+        if self.tolerances:
+            settings["tolerances"] = list(self.tolerances)
+        if self.library is not None:
+            settings["library"] = self.library.name
+        return settings

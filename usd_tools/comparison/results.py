@@ -99,7 +99,7 @@ def write_rebuilt(
     """
     trial, clip = result.trial, compared.clip
     scheme = trial.choice.scheme
-    rebuilt = rebuild(compared.take.stretches, trial.rate, scheme, result.metric)
+    rebuilt = rebuild(compared.take.stretches, trial.rate, scheme, result.metric, result.helps)
     settings = {"rate": trial.rate, "scheme": trial.choice.word, "kind": kind}
     layer = OverrideLayer(clip.source.stage, tool, settings)
     metric = None if result.metric is None else result.metric.for_joints(clip.joints)[0]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from usd_tools.comparison.options import CompareOptions
 from usd_tools.comparison.report.report import write_report
 from usd_tools.comparison.result import TOOL, CompareResult
 from usd_tools.comparison.results import ComparedClip, named, write_rebuilt, write_results
-from usd_tools.comparison.trials import TrialResult, all_trials
+from usd_tools.comparison.trials import ScoringLibrary, TrialResult, all_trials
 from usd_tools.comparison.workers import measure_all
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.options import PrimOptions
@@ -37,7 +37,8 @@ def compare_files(
         clips, skipped = read_compared(sources, options, messages)
         layers = [layer.realPath for each in clips for layer in each.clip.source.stage.GetUsedLayers()]
         check_folder(out, TOOL, [each.path for each in clips] + [path for path in layers if path])
-        results = _measure(clips, options, messages, progress)
+        libraries = {} if options.library is None else _libraries(options.library, clips, options, messages)
+        results = _measure(clips, libraries, options, messages, progress)
         points = _rate_distortion(clips, options, progress)
         with made_beside(out, TOOL) as folder:
             return _write(out, folder, clips, results, points, skipped, options, messages, progress)
@@ -70,10 +71,24 @@ def read_compared(
     return named(found), skipped
 
 
+def _libraries(
+    path: Path, clips: Sequence[ComparedClip], options: CompareOptions, messages: Messages
+) -> dict[str, ScoringLibrary]:
+    """Read the library, and learn anew for the clips that are in it."""
+    from usd_tools.comparison.left_out import scoring_libraries
+    from usd_tools.libraries.files import LibraryFile
+
+    return scoring_libraries(LibraryFile.read(path), clips, options.rates, messages)
+
+
 def _measure(
-    clips: Sequence[ComparedClip], options: CompareOptions, messages: Messages, progress: ProgressCallback | None
+    clips: Sequence[ComparedClip],
+    libraries: Mapping[str, ScoringLibrary],
+    options: CompareOptions,
+    messages: Messages,
+    progress: ProgressCallback | None,
 ) -> list[TrialResult]:
-    wanted = all_trials([each.name for each in clips], options.rates, options.schemes)
+    wanted = all_trials([each.name for each in clips], options.rates, options.choices)
     bar = Progress(progress, len(wanted), "Comparing")
 
     def done(result: TrialResult) -> None:
@@ -82,7 +97,7 @@ def _measure(
         bar.advance(1.0, f"Comparing: {result.trial}")
 
     takes = {each.name: each.take for each in clips}
-    return measure_all(wanted, takes, options.kind, options.address, options.cpus, done)
+    return measure_all(wanted, takes, options.kind, libraries, options.address, options.cpus, done)
 
 
 def _rate_distortion(

@@ -35,6 +35,10 @@ EXPLANATION = (
     "they were fitted to (in-sample). unseen Q is out of sample: scored on the second half of the clip, with a metric "
     "learned from the first half to predict."
 )
+LIBRARY = (
+    "learned is out of sample: it predicts from a library of other clips; a clip of the library is scored by a library "
+    "of the others alone."
+)
 FITTED = "fitted unseen Q: the same, with the metric that fits the first half best."
 
 
@@ -44,6 +48,8 @@ def print_summary(result: CompareResult, kind: str, verbose: bool) -> None:
         _print_clip(clip, [row for row in result.rows if row.clip == clip], kind, verbose)
         _print_sizes(clip, [point for point in result.rate_distortion if point.clip == clip])
     say(EXPLANATION)
+    if any(row.library for row in result.rows):
+        say(LIBRARY)
     if result.rate_distortion:
         say(COMPARING)
     if any(point.method == ACL for point in result.rate_distortion):

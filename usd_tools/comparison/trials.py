@@ -10,16 +10,42 @@ from typing import Any
 
 import numpy as np
 
-from geomstats_anim import SCHEMES, Animation, LearnedMetric, quality, uniform_keyframes
+from geomstats_anim import Animation, LearnedMetric, MotionLibrary, quality, uniform_keyframes
 from geomstats_anim import rotations as quat
 from geomstats_anim.criteria import rotation_errors
+from geomstats_anim.interpolation.learned_scheme import Help, Learned
+from geomstats_anim.interpolation.schemes import make_curve
 from geomstats_anim.interpolation.tangents import STILL
 from geomstats_anim.learning.learn import learn_metric
 from geomstats_anim.markers import Markers, world_errors
-from geomstats_anim.names import FAMILIES, PURPOSES
+from geomstats_anim.names import FAMILIES, LEARNED, PURPOSES
 from usd_tools.comparison.options import SchemeChoice
 from usd_tools.learning.clips import TrainingClip
 from usd_tools.skel.sizes import bytes_numpy, bytes_usdc
+
+AS_IT_IS, WITHOUT = "as it is", "without this clip"
+"""How the library is used that a clip is scored by."""
+
+
+@dataclass(frozen=True, eq=False)
+class ScoringLibrary:
+    """The library that a clip is scored by, for the scheme `learned`.
+
+    Parameters
+    ----------
+    library : MotionLibrary or None
+    used : str
+        "as it is", or "without this clip".
+    error : str or None
+        Why there is none.
+    file : dict
+        Name and sha256 of the file.
+    """
+
+    library: MotionLibrary | None
+    used: str
+    error: str | None
+    file: dict[str, str]
 
 
 @dataclass(frozen=True)
@@ -79,6 +105,9 @@ class Row:
         That are scored.
     slerped_segments : int
         Segments of single joints whose geodesic was not found.
+    library : str
+        For the scheme "learned": whether the library was used "as it is", since it does not know the clip, or "without
+        this clip", learned anew. Its bytes are not counted.
     usd : str
         File of the rebuilt clip, as seen from the folder.
     error : str
@@ -105,17 +134,19 @@ class Row:
     frames: int | None = None
     joints: int | None = None
     slerped_segments: int | None = None
+    library: str | None = None
     usd: str | None = None
     error: str | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class TrialResult:
-    """A trial, what it came to, and what was learned for it."""
+    """A trial, what it came to, and what was learned for it, or what a library did for its stretches."""
 
     trial: Trial
     row: Row
     metric: LearnedMetric | None = None
+    helps: tuple[Help, ...] | None = None
 
 
 def all_trials(clips: Sequence[str], rates: Sequence[float], choices: Sequence[SchemeChoice]) -> list[Trial]:
@@ -141,14 +172,23 @@ class Rebuilt:
     stretches : tuple of Animation
     slerped : int
         Segments of single joints whose geodesic was not found.
+    helps : tuple of Help or None
+        Of the stretches, where a library was used.
     """
 
     keys: tuple[np.ndarray, ...]
     stretches: tuple[Animation, ...]
     slerped: int
+    helps: tuple[Help, ...] | None
 
 
-def rebuild(stretches: Sequence[Animation], rate: float, scheme: str, metric: LearnedMetric | None) -> Rebuilt:
+def rebuild(
+    stretches: Sequence[Animation],
+    rate: float,
+    scheme: str,
+    metric: LearnedMetric | None,
+    library: MotionLibrary | Sequence[Help] | None = None,
+) -> Rebuilt:
     """Rebuild stretches from a share of their frames.
 
     Parameters
@@ -158,18 +198,25 @@ def rebuild(stretches: Sequence[Animation], rate: float, scheme: str, metric: Le
     scheme : str
         A name in `SCHEMES`.
     metric : LearnedMetric or None
+    library : MotionLibrary, sequence of Help or None
+        For the scheme "learned": the library, or what it does for each stretch.
 
     Returns
     -------
     rebuilt : Rebuilt
     """
     kept = tuple(uniform_keyframes(stretch.n_frames, rate) for stretch in stretches)
-    curves = [SCHEMES[scheme](stretch.at_frames(keys), metric) for stretch, keys in zip(stretches, kept, strict=True)]
+    libraries = library if isinstance(library, Sequence) else [library] * len(stretches)
+    curves = [
+        make_curve(stretch.at_frames(keys), scheme, metric, each)
+        for stretch, keys, each in zip(stretches, kept, libraries, strict=True)
+    ]
+    helps = tuple(curve.help for curve in curves if isinstance(curve, Learned)) or None
     dense = tuple(curve(stretch.times) for curve, stretch in zip(curves, stretches, strict=True))
-    return Rebuilt(kept, dense, sum(len(curve.fallbacks) for curve in curves))
+    return Rebuilt(kept, dense, sum(len(curve.fallbacks) for curve in curves), helps)
 
 
-def measure(trial: Trial, take: TrainingClip, kind: str) -> TrialResult:
+def measure(trial: Trial, take: TrainingClip, kind: str, scoring: ScoringLibrary | None = None) -> TrialResult:
     """Do what a trial says; what goes wrong is told in its row.
 
     Parameters
@@ -178,13 +225,15 @@ def measure(trial: Trial, take: TrainingClip, kind: str) -> TrialResult:
     take : TrainingClip
     kind : str
         Quality that learning minimises.
+    scoring : ScoringLibrary
+        For the scheme "learned".
 
     Returns
     -------
     result : TrialResult
     """
     try:
-        return _measured(trial, take, kind)
+        return _measured(trial, take, kind, scoring if trial.choice.scheme == LEARNED else None)
     except Exception as error:  # whatever it is, a comparison of hours must not be lost for one trial
         return failed(trial, error)
 
@@ -206,16 +255,19 @@ def _row(trial: Trial) -> Row:
     )
 
 
-def _measured(trial: Trial, take: TrainingClip, kind: str) -> TrialResult:
+def _measured(trial: Trial, take: TrainingClip, kind: str, scoring: ScoringLibrary | None) -> TrialResult:
+    if scoring is not None and scoring.library is None:
+        raise ValueError(scoring.error)
+    library = None if scoring is None else scoring.library
     scored = take.stretches
     if trial.unseen:
         scored = tuple(stretch.at_frames(slice(stretch.n_frames // 2, None)) for stretch in scored)
     metric, seconds_learn = None, 0.0
     if trial.purpose is not None:
         metric, seconds_learn = _learned(take, trial.rate, trial.choice, trial.unseen, kind, trial.purpose)
-    rebuild(scored, trial.rate, trial.choice.scheme, metric)  # loads what is compiled, so that it is not timed
+    rebuild(scored, trial.rate, trial.choice.scheme, metric, library)  # loads what is compiled, so that it is not timed
     begin = time.perf_counter()
-    rebuilt = rebuild(scored, trial.rate, trial.choice.scheme, metric)
+    rebuilt = rebuild(scored, trial.rate, trial.choice.scheme, metric, library)
     end = time.perf_counter()
     keys = [stretch.at_frames(kept) for stretch, kept in zip(scored, rebuilt.keys, strict=True)]
     row = replace(
@@ -229,8 +281,9 @@ def _measured(trial: Trial, take: TrainingClip, kind: str) -> TrialResult:
         frames=sum(stretch.n_frames for stretch in scored),
         joints=scored[0].n_joints,
         slerped_segments=rebuilt.slerped,
+        library=None if scoring is None else scoring.used,
     )
-    return TrialResult(trial, row, metric)
+    return TrialResult(trial, row, metric, rebuilt.helps)
 
 
 @lru_cache(maxsize=4)

@@ -24,6 +24,7 @@ _LOOKS = {
     "rotation-spline": Look("#7d5a44", "P"),
     "geodesic": Look("#7b3fb5", "o"),
     "geodesic-spline": Look("#d81b60", "o"),
+    "learned": Look("#4f9d2f", "*"),
 }
 _FAMILIES = {"geodesic": "#4a2177", "geodesic-spline": "#8c0f3c"}
 _OTHER = Look("#5c6b73", "X")

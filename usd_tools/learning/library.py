@@ -30,7 +30,8 @@ def learn_library_file(
     Raises
     ------
     ToolError
-        If the clips are too short, or stand on different axes, or the file cannot be written.
+        If the clips are too short, or stand on different axes, Ray is asked for but not there, or the file cannot be
+        written.
     """
     vertical = clips[0].vertical
     for clip in clips:
@@ -41,6 +42,7 @@ def learn_library_file(
     provenance = {
         "files": [clip.file for clip in clips],
         "sha256": [clip.sha256 for clip in clips],
+        "prims": [clip.prim for clip in clips],
         "frames": [clip.n_frames for clip in clips],
         "seed": options.seed,
     }
@@ -51,8 +53,10 @@ def learn_library_file(
             seed=options.seed,
             provenance=provenance,
             progress=lambda done: bar.advance(1.0),
+            address=options.address,
+            cpus=options.cpus,
         )
-    except ValueError as error:
+    except (ValueError, ModuleNotFoundError, ConnectionError) as error:
         raise ToolError(str(error)) from error
     data = dump_library(library)
     with written_beside(out) as beside:

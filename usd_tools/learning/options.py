@@ -105,6 +105,3 @@ class LearnOptions(OutputOptions):
         for word in ("rate", "search", "family", "invariance", "scheme", "kind", "weights"):
             if getattr(self, word) != usual[word]:
                 raise UsageError(f"--{word} is for a metric, and --library learns none; leave it out")
-        for word in ("address", "cpus"):
-            if getattr(self, word) is not None:
-                raise UsageError(f"--{word} is for Ray, and --library learns in this process; leave it out")

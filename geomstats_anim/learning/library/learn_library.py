@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from geomstats_anim.animation import Animation
-from geomstats_anim.learning.library.gap_model import GapModel
+from geomstats_anim.learning.library.actions import cluster_clips
+from geomstats_anim.learning.library.doubts import LeftOut, doubts_of, errors_left_out
+from geomstats_anim.learning.library.gap_model import GapModel, fit_gap, nearest_models
 from geomstats_anim.learning.library.motion_library import MotionLibrary
 from geomstats_anim.learning.library.one_thread import one_thread
-from geomstats_anim.learning.library.parts import body_parts
+from geomstats_anim.learning.library.parts import BodyParts, body_parts
 from geomstats_anim.learning.library.samples import GAPS, MOST_SAMPLES, samples_of
 from geomstats_anim.rotations import Array
 
 UP: Array = np.array([0.0, 1.0, 0.0])
 UP.setflags(write=False)
+
+_CLUSTERED = 8
+"""Length of the segments by which clips are clustered, in frames of 30 per second, where there are any."""
 
 
 def learn_library(
@@ -27,6 +33,8 @@ def learn_library(
     seed: int = 0,
     provenance: Mapping[str, Any] | None = None,
     progress: Callable[[float], None] = lambda gaps: None,
+    address: str | None = None,
+    cpus: int | None = None,
 ) -> MotionLibrary:
     """Learn what splines miss of clips, for others of the same rig and like motion.
 
@@ -49,6 +57,12 @@ def learn_library(
     progress : callable
         Called with the number of gaps that are done.
         Optional, default: nobody is told.
+    address : str
+        HOST:PORT of a Ray cluster, over which the gaps are spread; the result is the same.
+        Optional, default: the environment variable RAY_ADDRESS, else none.
+    cpus : int
+        Workers; Ray is started for more than one.
+        Optional, default: 1.
 
     Returns
     -------
@@ -64,15 +78,67 @@ def learn_library(
     skeleton, up = clips[0].skeleton, np.array(vertical, dtype=np.float64)
     if any(clip.skeleton.joints != skeleton.joints for clip in clips):
         raise ValueError("A library is of one rig, but the joints of the clips differ.")
-    parts, models = body_parts(skeleton), []
+    parts = body_parts(skeleton)
     with one_thread():
-        for done, gap in enumerate(gaps, 1):
-            samples = samples_of(clips, gap, parts.trunk, up)
-            if samples is not None:
-                rng = np.random.default_rng(seed)
-                chosen = np.sort(rng.permutation(len(samples.clip))[:MOST_SAMPLES])
-                models.append(GapModel.fitted(gap, samples.at(chosen), parts, rng))
-            progress(done)
-    if not models:
+        task = _GapTask(clips, parts, up, _actions(clips, parts, up), seed)
+        fits = [fit for fit in _spread(task, gaps, progress, address, cpus) if fit is not None]
+    if not fits:
         raise ValueError("The clips are too short to learn from: none has two gaps of two frames.")
-    return MotionLibrary(skeleton, up, tuple(models), dict(provenance or {}))
+    return MotionLibrary(skeleton, up, _with_doubts(fits), dict(provenance or {}))
+
+
+@dataclass(frozen=True, eq=False)
+class _GapTask:
+    """What the models of all lengths are fitted to."""
+
+    clips: Sequence[Animation]
+    parts: BodyParts
+    vertical: Array
+    actions: np.ndarray
+    seed: int
+
+    def __call__(self, gap: int) -> tuple[GapModel, LeftOut] | None:
+        """Fit the model of one length, and return its errors on actions left out; None if no clip is long enough."""
+        samples = samples_of(self.clips, gap, self.parts.trunk, self.vertical)
+        if samples is None:
+            return None
+        rng = np.random.default_rng(self.seed)
+        samples = samples.at(np.sort(rng.permutation(len(samples.clip))[:MOST_SAMPLES]))
+        with one_thread():
+            model, left_out = fit_gap(gap, samples, self.parts, self.actions, rng)
+            return model, errors_left_out(samples, left_out, self.clips[0].skeleton, self.parts, rng)
+
+
+def _actions(clips: Sequence[Animation], parts: BodyParts, vertical: Array) -> np.ndarray:
+    """Cluster the clips at the length that is nearest to that of most use."""
+    for gap in sorted(GAPS, key=lambda gap: abs(np.log(gap / _CLUSTERED))):
+        samples = samples_of(clips, gap, parts.trunk, vertical)
+        if samples is not None:
+            return cluster_clips(samples, parts, len(clips))
+    return np.zeros(len(clips), dtype=np.intp)
+
+
+def _spread(
+    task: _GapTask, gaps: Sequence[int], progress: Callable[[float], None], address: str | None, cpus: int | None
+) -> list[tuple[GapModel, LeftOut] | None]:
+    """Fit all models, here or on workers."""
+    from geomstats_anim.learning.tune import ray_runtime
+
+    if not ray_runtime.is_wanted(address, cpus):
+        fits = []
+        for done, gap in enumerate(gaps, 1):
+            fits.append(task(gap))
+            progress(done)
+        return fits
+    with ray_runtime.running(address, cpus):
+        return ray_runtime.map_tasks(task, gaps, progress)
+
+
+def _with_doubts(fits: Sequence[tuple[GapModel, LeftOut]]) -> tuple[GapModel, ...]:
+    """Give each model its doubts, from the errors of that of twice its length."""
+    models = [model for model, _ in fits]
+    doubles = nearest_models(models, np.array([2.0 * model.gap for model in models]))
+    return tuple(
+        replace(model, doubts=doubts_of(left_out, fits[double][1] if double >= 0 else None))
+        for (model, left_out), double in zip(fits, doubles, strict=True)
+    )

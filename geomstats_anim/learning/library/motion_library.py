@@ -16,11 +16,11 @@ from geomstats_anim.interpolation.residuals import Residual
 from geomstats_anim.interpolation.splines import PoseSpline
 from geomstats_anim.interpolation.tangents import STILL
 from geomstats_anim.learning.library.context import Contexts, contexts_of
-from geomstats_anim.learning.library.gap_model import GapModel
+from geomstats_anim.learning.library.gap_model import GapModel, nearest_models
 from geomstats_anim.learning.library.one_thread import one_thread
 from geomstats_anim.learning.library.parts import BodyParts, body_parts
 from geomstats_anim.learning.library.samples import GAP_RATE
-from geomstats_anim.learning.library.self_check import best_shares
+from geomstats_anim.learning.library.self_check import HiddenPoses, best_shares
 from geomstats_anim.parameters import CurveParameters
 from geomstats_anim.rotations import Array
 
@@ -29,9 +29,6 @@ MIN_KEYS = 5
 
 _SAME_DIRECTION, _SHORT = 0.9, 1e-3
 """Cosine between bones of one rig, and metres that are too short to have a direction."""
-
-_NEAR = 1.5
-"""A model is used for segments up to this ratio longer or shorter than its own."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,9 +123,7 @@ class MotionLibrary:
 
     def _sines(self, gaps: Array, contexts: Contexts) -> Array:
         """Predict all segments, each by the model of the nearest gap, seconds; 0 where none is near."""
-        own = np.array([model.gap for model in self.models])
-        ratio = np.abs(np.log(GAP_RATE * gaps[:, None] / own))
-        nearest = np.where(ratio.min(axis=1) <= np.log(_NEAR), ratio.argmin(axis=1), -1)
+        nearest = nearest_models(self.models, GAP_RATE * gaps)
         most = max((self.models[i].n_sines for i in np.unique(nearest) if i >= 0), default=1)
         sines = np.zeros((len(gaps), most, self.skeleton.n_joints, 3))
         for i in np.unique(nearest[nearest >= 0]):
@@ -152,7 +147,14 @@ class MotionLibrary:
             residuals.append(_joined(keys, durations, half)(segment, fraction))
             truth.append(rotations[hidden])
         found = (np.concatenate(each) for each in (splines, residuals, truth))
-        return best_shares(self.skeleton, self.parts, *found)
+        return best_shares(HiddenPoses(self.skeleton, self.parts, *found), self._doubts(np.diff(times)))
+
+    def _doubts(self, gaps: Array) -> Array:
+        """Return the doubts of the models of segments, their mean, shape=[parts, shares, 2]."""
+        nearest = nearest_models(self.models, GAP_RATE * gaps)
+        used = np.bincount(nearest[nearest >= 0], minlength=len(self.models))
+        doubts = np.stack([model.doubts for model in self.models])
+        return np.tensordot(used, doubts, (0, 0)) / max(1, used.sum())
 
 
 def _joined(rotations: Array, gaps: Array, sines: Array) -> Residual:

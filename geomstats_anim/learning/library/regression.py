@@ -46,14 +46,18 @@ class Centres:
 
     def kernels(self, features: list[Array]) -> Array:
         """Compare segments, given by their features, with the centres; shape=[parts, n, C]."""
-        squares = []
-        for each, norms, transposed in zip(features, self._norms, self._transposed, strict=True):
-            squares.append(each @ transposed + (each**2).sum(axis=1)[:, None] + norms)
-        own, common = np.stack(squares[:-1]), squares[-1]
-        if len(own) > 1:
-            common = common + _OTHER_PARTS * own.sum(axis=0)
-            own *= 1.0 - _OTHER_PARTS
-        return np.exp(np.minimum(-(own + common), 0.0))
+        squares = [
+            each @ transposed + (each**2).sum(axis=1)[:, None] + norms
+            for each, norms, transposed in zip(features, self._norms, self._transposed, strict=True)
+        ]
+        common = squares.pop()
+        for own in squares:
+            common += _OTHER_PARTS * own
+        for own in squares:
+            own *= _OTHER_PARTS - 1.0
+            own -= common
+            np.exp(np.minimum(own, 0.0, out=own), out=own)
+        return np.stack(squares)
 
     @cached_property
     def factors(self) -> Array:
@@ -62,19 +66,63 @@ class Centres:
         return np.asarray(np.linalg.cholesky(kernels + _JITTER * np.eye(kernels.shape[1])), dtype=np.float64)
 
 
-def whitened_weights(kernel: Array, factor: Array, targets: Array) -> Array:
-    """Solve for the weights of whitened kernels, shape=[C, T], in half precision.
+@dataclass(frozen=True, eq=False)
+class Regression:
+    """The regression of one part of the body.
 
     Parameters
     ----------
     kernel : array-like, shape=[n, C]
-        Of the segments of the library.
+        Of the segments of the library with the centres.
     factor : array-like, shape=[C, C]
+        Of the centres' own kernels, lower.
     targets : array-like, shape=[n, T]
     """
-    white = solve_triangular(factor, kernel.T, lower=True)
-    system = cho_factor(white @ white.T + RIDGE * np.eye(len(white)), lower=True)
-    return half(cho_solve(system, white @ targets))
+
+    kernel: Array
+    factor: Array
+    targets: Array
+
+    @cached_property
+    def _gram(self) -> Array:
+        return np.asarray(self.kernel.T @ self.kernel)
+
+    @cached_property
+    def _moment(self) -> Array:
+        return np.asarray(self.kernel.T @ self.targets)
+
+    def whitened_weights(self) -> Array:
+        """Solve for the weights of whitened kernels, shape=[C, T], in half precision."""
+        half_white = solve_triangular(self.factor, self._gram, lower=True)
+        white = solve_triangular(self.factor, half_white.T, lower=True)
+        system = cho_factor(0.5 * (white + white.T) + RIDGE * np.eye(len(white)), lower=True)
+        return half(cho_solve(system, solve_triangular(self.factor, self._moment, lower=True)))
+
+    def predict_left_out(self, group: np.ndarray, centres: np.ndarray) -> Array:
+        """Predict the targets of each group of segments by a regression without it.
+
+        Parameters
+        ----------
+        group : array-like of int, shape=[n]
+            Of each segment.
+        centres : array-like of int, shape=[C]
+            Segments that are centres.
+
+        Returns
+        -------
+        predicted : array-like, shape=[n, T]
+            Zero where no centre is left.
+        """
+        predicted, of_centre = np.zeros_like(self.targets), group[centres]
+        penalty = RIDGE * (self.factor @ self.factor.T)
+        for each in np.unique(group):
+            own, rest = group == each, np.flatnonzero(of_centre != each)
+            if len(rest):
+                kernel = self.kernel[own]
+                system = (self._gram - kernel.T @ kernel + penalty)[np.ix_(rest, rest)]
+                moment = (self._moment - kernel.T @ self.targets[own])[rest]
+                predicted[own] = kernel[:, rest] @ cho_solve(cho_factor(system), moment)
+        return predicted
 
 
 def weights_of(whitened: Array, factor: Array) -> Array:

@@ -42,17 +42,26 @@ class Samples:
     contexts : Contexts
     sines : array-like, shape=[n, N, B, 3]
         Residuals of the plain spline: weights of sines, radians.
+    middles : array-like, shape=[n, B, 4]
+        Rotations of the plain spline in the middle of each.
     clip : array-like of int, shape=[n]
         Clip that each is from.
     """
 
     contexts: Contexts
     sines: Array
+    middles: Array
     clip: np.ndarray
 
     def at(self, segments: np.ndarray) -> Samples:
         """Take some segments."""
-        return Samples(self.contexts.at(segments), self.sines[segments], self.clip[segments])
+        return Samples(self.contexts.at(segments), self.sines[segments], self.middles[segments], self.clip[segments])
+
+    @classmethod
+    def joined(cls, samples: list[Samples]) -> Samples:
+        """Join samples one after the other."""
+        columns = zip(*((each.sines, each.middles, each.clip) for each in samples), strict=True)
+        return cls(Contexts.joined([each.contexts for each in samples]), *map(np.concatenate, columns))
 
 
 def frames_of(gap: int, clip: Animation) -> int:
@@ -89,18 +98,12 @@ def samples_of(
         for phase in np.unique(np.round(np.linspace(0, length, n_phases, endpoint=False)).astype(int)):
             keys = np.arange(phase, clip.n_frames, length)
             if len(keys) > 2:
-                found.append((i, *_segments(clip, keys, gap, trunk, vertical)))
-    if not found:
-        return None
-    clip_of = np.concatenate([np.full(len(sines), i) for i, _, sines in found])
-    contexts = Contexts.joined([contexts for _, contexts, _ in found])
-    return Samples(contexts, np.concatenate([sines for _, _, sines in found]), clip_of)
+                found.append(_segments(i, clip, keys, gap, trunk, vertical))
+    return Samples.joined(found) if found else None
 
 
-def _segments(
-    clip: Animation, keys: np.ndarray, gap: int, trunk: np.ndarray, vertical: Array
-) -> tuple[Contexts, Array]:
-    """Return what surrounds the segments between keys, and their residuals."""
+def _segments(number: int, clip: Animation, keys: np.ndarray, gap: int, trunk: np.ndarray, vertical: Array) -> Samples:
+    """Return the segments between keys of a clip, given by its number."""
     length, n_segments = int(keys[1] - keys[0]), len(keys) - 1
     inner = np.unique(np.round(np.linspace(1, length - 1, min(length - 1, _MOST_INNER))).astype(int))
     frames = (keys[:-1, None] + inner).ravel()
@@ -113,5 +116,9 @@ def _segments(
     missed = missed.reshape(n_segments, len(inner), -1)
     count = n_sines(gap)
     to_sines = np.linalg.pinv(basis(inner / length, count)[:, :count], rcond=1e-9)
-    sines = (to_sines @ missed).reshape(n_segments, count, clip.n_joints, 3)
-    return contexts_of(clip.times[keys], clip.rotations[keys], trunk, vertical), sines
+    return Samples(
+        contexts_of(clip.times[keys], clip.rotations[keys], trunk, vertical),
+        (to_sines @ missed).reshape(n_segments, count, clip.n_joints, 3),
+        spline(np.arange(n_segments), np.full(n_segments, 0.5)),
+        np.full(n_segments, number),
+    )

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 
 from geomstats_anim import rotations as quat
@@ -11,59 +14,114 @@ from geomstats_anim.learning.library.parts import BodyParts
 from geomstats_anim.rotations import Array
 
 SHARES = np.linspace(0.0, 1.0, 6)
-_CAUTION, _CAUTION_OF_FEW = 0.03, 0.6
-"""A full share has to save this part of the error, and more by so much per hidden key."""
+_CAUTION = 1.2
+"""A full share has to save this part of the error, divided by the squared number of hidden keys."""
+
+_CONFIDENCE = 0.3
+"""What is saved counts less this many standard errors."""
 
 _LEAST = 1e-9
 """Errors, radians or metres, that are none."""
 
 
-def best_shares(skeleton: Skeleton, parts: BodyParts, splines: Array, residuals: Array, truth: Array) -> Array:
-    """Choose for each part of the body the share of a prediction that helps most.
-
-    What counts is the mean of two ratios to the error of the spline: of angles, and of distances of bone ends, which
-    are those of the whole body for the torso, with the limbs as the spline has them, and then of each limb. Neither
-    may grow.
+@dataclass(frozen=True, eq=False)
+class HiddenPoses:
+    """Poses that are known, and what a spline and a library say of them.
 
     Parameters
     ----------
     skeleton : Skeleton
     parts : BodyParts
     splines : array-like, shape=[n, B, 4]
-        Of the spline, at hidden keys.
+        Of the spline.
     residuals : array-like, shape=[n, B, 3]
         Predicted for it.
     truth : array-like, shape=[n, B, 4]
-        The hidden keys.
+    """
+
+    skeleton: Skeleton
+    parts: BodyParts
+    splines: Array
+    residuals: Array
+    truth: Array
+
+    @cached_property
+    def _turned(self) -> Array:
+        """Return the poses with each share of the residuals, shape=[shares, n, B, 4]."""
+        return quat.multiply(self.splines, quat.exp(SHARES[:, None, None, None] * self.residuals))
+
+    @cached_property
+    def _ends(self) -> Array:
+        return self._ends_of(self.truth)
+
+    @cached_property
+    def angles(self) -> Array:
+        """Return the errors of angles, shape=[parts, shares, n], means over the joints of each part."""
+        found = quat.distance(self._turned, self.truth)
+        return np.stack([found[..., joints].mean(axis=-1) for joints in self.parts.joints])
+
+    @cached_property
+    def limb_ends(self) -> Array:
+        """Return the distances of bone ends, shape=[limbs, shares, n], with the torso as the spline has it."""
+        poses = self._turned.copy()
+        poses[:, :, self.parts.joints[0]] = self.splines[:, self.parts.joints[0]]
+        distances = np.linalg.norm(self._ends_of(poses) - self._ends, axis=-1)
+        return np.array([distances[..., joints].mean(axis=-1) for joints in self.parts.joints[1:]])
+
+    def torso_ends(self, limbs: list[int]) -> Array:
+        """Return the distances of all bone ends by the share of the torso, shape=[shares, n].
+
+        Parameters
+        ----------
+        limbs : list of int
+            Indices of the shares of the limbs.
+        """
+        poses = self._turned.copy()
+        for joints, share in zip(self.parts.joints[1:], limbs, strict=True):
+            poses[:, :, joints] = self._turned[share][:, joints]
+        return np.linalg.norm(self._ends_of(poses) - self._ends, axis=-1).mean(axis=-1)
+
+    def _ends_of(self, rotations: Array) -> Array:
+        """Return the ends of bones, shape=[..., B, 3], of poses that stand where the rest pose does."""
+        flat = rotations.reshape(-1, self.skeleton.n_joints, 4)
+        rest = np.broadcast_to(self.skeleton.rest_translations, (*flat.shape[:2], 3))
+        return place(self.skeleton, flat, rest).ends.reshape(*rotations.shape[:-1], 3)
+
+
+def best_shares(hidden: HiddenPoses, doubts: Array) -> Array:
+    """Choose for each part of the body the share of a prediction that helps most.
+
+    What counts is the mean of two ratios to the error of the spline: of angles, and of distances of bone ends. The
+    limbs come first, with the torso as the spline has it; then the torso, for the bone ends of the whole body, whose
+    doubts are those of the limbs and not counted again. Neither ratio may grow, and both are raised by doubts before.
+
+    Parameters
+    ----------
+    hidden : HiddenPoses
+        Keys that were hidden.
+    doubts : array-like, shape=[parts, shares, 2]
+        By how much the ratios are larger where a prediction is used than where it is checked.
 
     Returns
     -------
     shares : array-like, shape=[parts]
     """
-    turned = quat.multiply(splines, quat.exp(SHARES[:, None, None, None] * residuals))
-    angles = quat.distance(turned, truth).sum(axis=1)
-    goal = _ends(skeleton, truth[None])
-    torso, limbs = parts.joints[0], parts.joints[1:]
-    poses = np.repeat(splines[None], len(SHARES), axis=0)
-    poses[:, :, torso] = turned[:, :, torso]
-    ends = np.linalg.norm(_ends(skeleton, poses) - goal, axis=-1).sum(axis=1)
-    shares = [_best(angles[:, torso].sum(axis=1), ends.sum(axis=1), len(truth))]
-    if limbs:
-        turned[:, :, torso] = turned[shares[0], :, torso].transpose(1, 0, 2)
-        ends = np.linalg.norm(_ends(skeleton, turned) - goal, axis=-1).sum(axis=1)
-        shares += [_best(angles[:, limb].sum(axis=1), ends[:, limb].sum(axis=1), len(truth)) for limb in limbs]
-    return SHARES[shares]
+    limbs = [_best(*errors) for errors in zip(hidden.angles[1:], hidden.limb_ends, doubts[1:], strict=True)]
+    of_torso = doubts[0] * [1.0, 0.0] if limbs else doubts[0]
+    torso = _best(hidden.angles[0], hidden.torso_ends(limbs), of_torso)
+    return SHARES[[torso, *limbs]]
 
 
-def _best(angles: Array, ends: Array, n_hidden: int) -> int:
-    """Return the index of the best share, from the errors of each."""
-    ratios = np.stack([angles / max(angles[0], _LEAST), ends / max(ends[0], _LEAST)])
-    cost = ratios.mean(axis=0) + (_CAUTION + _CAUTION_OF_FEW / n_hidden) * SHARES
-    return int(np.argmin(np.where((ratios <= 1.0).all(axis=0) | (SHARES == 0.0), cost, np.inf)))
+def ratios_to_spline(errors: Array) -> Array:
+    """Divide errors, shape=[..., shares, n], by the mean of those without any share."""
+    return errors / np.maximum(errors[..., :1, :].mean(axis=-1, keepdims=True), _LEAST)
 
 
-def _ends(skeleton: Skeleton, rotations: Array) -> Array:
-    """Return the ends of bones, shape=[..., B, 3], of poses that stand where the rest pose does."""
-    flat = rotations.reshape(-1, skeleton.n_joints, 4)
-    rest = np.broadcast_to(skeleton.rest_translations, (*flat.shape[:2], 3))
-    return place(skeleton, flat, rest).ends.reshape(*rotations.shape[:-1], 3)
+def _best(angles: Array, ends: Array, doubts: Array) -> int:
+    """Return the index of the best share, from the errors of each, shape=[shares, n]."""
+    ratios, n = ratios_to_spline(np.stack([angles, ends])), angles.shape[1]
+    more = ratios - ratios[:, :1]
+    mean = more.mean(axis=-1) + doubts.T
+    deviation = more.mean(axis=0).std(axis=-1)
+    cost = mean.mean(axis=0) + _CONFIDENCE * deviation / np.sqrt(n) + _CAUTION / n**2 * SHARES
+    return int(np.argmin(np.where((mean <= 0.0).all(axis=0), cost, np.inf)))

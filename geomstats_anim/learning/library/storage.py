@@ -20,10 +20,11 @@ from geomstats_anim.learning.library.motion_library import MotionLibrary
 from geomstats_anim.learning.library.parts import BodyParts, body_parts
 from geomstats_anim.learning.library.regression import Centres
 from geomstats_anim.learning.library.samples import GAPS, n_sines
+from geomstats_anim.learning.library.self_check import SHARES
 from geomstats_anim.rotations import Array
 from geomstats_anim.strict_json import dump_json, parse_json
 
-FORMAT, VERSION = "geomstatsAnim:inBetweens", 1
+FORMAT, VERSION = "geomstatsAnim:inBetweens", 2
 LARGEST = 1 << 27
 """Bytes of a file, and of what is in it."""
 
@@ -55,6 +56,7 @@ def dump_library(library: MotionLibrary) -> bytes:
             {
                 "gap": model.gap,
                 "units": [reduction.units.tolist() for reduction in model.reductions],
+                "doubts": model.doubts.tolist(),
             }
             for model in library.models
         ],
@@ -168,10 +170,10 @@ def _models(listed: Any, members: dict[str, np.ndarray], parts: BodyParts) -> It
     if gaps != sorted(set(gaps)) or not set(gaps) <= set(GAPS):
         raise ValueError(f"it has models of the gaps {gaps}")
     for model in listed:
-        yield _model(int(model["gap"]), model["units"], members, parts)
+        yield _model(int(model["gap"]), model["units"], model["doubts"], members, parts)
 
 
-def _model(gap: int, numbers: Any, members: dict[str, np.ndarray], parts: BodyParts) -> GapModel:
+def _model(gap: int, numbers: Any, listed: Any, members: dict[str, np.ndarray], parts: BodyParts) -> GapModel:
     widths = [3 * OFFSETS * len(joints) + 9 * len(joints) + 1 for joints in parts.joints]
     kept = [min(N_FEATURES, width) for width in widths]
     columns = [n_sines(gap) * 3 * len(joints) for joints in parts.joints]
@@ -191,6 +193,9 @@ def _model(gap: int, numbers: Any, members: dict[str, np.ndarray], parts: BodyPa
     units = np.array(numbers, dtype=np.float64)
     if units.shape != (len(widths), 3) or not (units[:, [0, 2]] > 0.0).all():
         raise ValueError("its features have no units")
+    doubts = np.array(listed, dtype=np.float64)
+    if doubts.shape != (len(widths), len(SHARES), 2) or not (doubts >= 0.0).all():
+        raise ValueError("its doubts are no table of numbers from 0")
     tables = [
         table.reshape(width, -1)
         for table, width in zip(np.split(reductions, np.cumsum(sizes)[:-1]), widths, strict=True)
@@ -203,6 +208,7 @@ def _model(gap: int, numbers: Any, members: dict[str, np.ndarray], parts: BodyPa
         ),
         Centres(_columns(centres, kept)),
         _columns(weights, columns)[:-1],
+        doubts,
     )
 
 

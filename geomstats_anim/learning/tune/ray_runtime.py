@@ -6,7 +6,7 @@ import importlib
 import logging
 import os
 import socket
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
@@ -93,6 +93,45 @@ def running(address: str | None = None, cpus: int | None = None) -> Iterator[int
         yield cpus or _processors(ray)
     finally:
         ray.shutdown()
+
+
+def map_tasks(work: Callable[[Any], Any], items: Sequence[Any], done: Callable[[int], None]) -> list[Any]:
+    """Do work for each item on the workers of Ray, which is running.
+
+    Parameters
+    ----------
+    work : callable
+    items : sequence
+    done : callable
+        Called with the number of items that are done.
+
+    Returns
+    -------
+    results : list
+        In the order of the items.
+
+    Raises
+    ------
+    ConnectionError
+        If a worker dies.
+    """
+    ray = require("ray")
+    task, shared = ray.remote(_apply), ray.put(work)
+    waiting = {task.remote(shared, item): i for i, item in enumerate(items)}
+    results: list[Any] = [None] * len(items)
+    while waiting:
+        (ready,), _ = ray.wait(list(waiting))
+        try:
+            results[waiting.pop(ready)] = ray.get(ready)
+        except ray.exceptions.RayError as error:
+            reason = str(error).strip().rpartition("\n")[2].rstrip(".")
+            raise ConnectionError(f"A worker of Ray has failed: {reason}.") from error
+        done(len(items) - len(waiting))
+    return results
+
+
+def _apply(work: Callable[[Any], Any], item: Any) -> Any:
+    return work(item)
 
 
 def _processors(ray: ModuleType) -> int:

@@ -5,36 +5,15 @@ import json
 
 import numpy as np
 import pytest
+from gait_files import write
 from gaits import gait
-from pxr import Gf, Usd, UsdGeom, UsdSkel, Vt
+from pxr import Usd, UsdGeom, UsdSkel
 
 from geomstats_anim.learning.library.storage import load_library
 from usd_tools import learn, upsample
 from usd_tools.metrics.attributes import read_metric
 
 LEARN = ["--purpose", "predict", "--library"]
-
-
-def write(path, clip, up=UsdGeom.Tokens.y, step=1):
-    """Write a gait as a UsdSkel file, of which some samples are kept."""
-    stage, skeleton = Usd.Stage.CreateNew(str(path)), clip.skeleton
-    UsdGeom.SetStageUpAxis(stage, up)
-    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
-    stage.SetTimeCodesPerSecond(30)
-    UsdSkel.Root.Define(stage, "/Rig")
-    rig, motion = UsdSkel.Skeleton.Define(stage, "/Rig/Skel"), UsdSkel.Animation.Define(stage, "/Rig/Anim")
-    rest = Vt.Matrix4dArray([Gf.Matrix4d().SetTranslate(Gf.Vec3d(*bone)) for bone in skeleton.rest_translations])
-    rig.CreateJointsAttr(skeleton.joints)
-    rig.CreateRestTransformsAttr(rest)
-    rig.CreateBindTransformsAttr(rest)
-    motion.CreateJointsAttr(skeleton.joints)
-    motion.CreateScalesAttr(Vt.Vec3hArray([Gf.Vec3h(1, 1, 1)] * clip.n_joints))
-    for code in range(0, clip.n_frames, step):
-        motion.CreateRotationsAttr().Set(Vt.QuatfArray.FromNumpy(clip.rotations[code].astype(np.float32)), code)
-        motion.CreateTranslationsAttr().Set(Vt.Vec3fArray.FromNumpy(clip.translations[code].astype(np.float32)), code)
-    UsdSkel.BindingAPI.Apply(rig.GetPrim()).CreateAnimationSourceRel().SetTargets(["/Rig/Anim"])
-    stage.Save()
-    return path
 
 
 @pytest.fixture(scope="module")
@@ -145,7 +124,7 @@ def test_another_rig_and_another_axis_are_refused(folder, tmp_path, capsys):
         (["--library", "-o", "x.inbetween"], 2, "--library needs --purpose predict"),
         ([*LEARN, "-o", "x.usda"], 2, "--library needs an --out that ends in .inbetween"),
         ([*LEARN, "-o", "x.inbetween", "--kind", "rot"], 2, "--kind is for a metric"),
-        ([*LEARN, "-o", "x.inbetween", "--cpus", "2"], 2, "--cpus is for Ray, and --library learns in this process"),
+        ([*LEARN, "-o", "x.inbetween", "--address", "127.0.0.1:1"], 1, "no Ray cluster at 127.0.0.1:1"),
     ],
 )
 def test_options_of_learn_that_do_not_go_together_are_refused(
@@ -158,3 +137,11 @@ def test_options_of_learn_that_do_not_go_together_are_refused(
         assert error.code == code
     assert words in " ".join(capsys.readouterr().err.split())
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+def test_workers_make_the_same_bytes(folder, tmp_path):
+    pytest.importorskip("ray")
+    clips = [str(folder / f"walk_{seed}.usdc") for seed in range(1, 5)]
+    assert learn.main([*clips, *LEARN, "--cpus", "2", "-o", str(tmp_path / "rig.inbetween")]) == 0
+    assert (tmp_path / "rig.inbetween").read_bytes() == (folder / "rig.inbetween").read_bytes()

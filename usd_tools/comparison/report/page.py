@@ -135,6 +135,8 @@ def _cells(row: Row) -> dict[str, Any]:
     else:
         learned = {"predict": ", learned from first to predict", "reconstruct": ", fitted to first"}
         sample = "second half" + learned.get(row.purpose or "", "")
+    if row.library is not None:
+        sample += f", library {row.library}"
     texts = [percent(row.rate), row.scheme, sample]
     if row.error is None:
         figures = [getattr(row, name) for name in list(COLUMNS)[3:]]

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from geomstats_anim import Animation, LearnedMetric
+from geomstats_anim.interpolation.learned_scheme import Help
 from geomstats_anim.kinematics import place, world_pose
 from geomstats_anim.markers import Markers, world_errors
 from usd_tools.characters.bones import Bones
@@ -29,12 +30,15 @@ class Scene:
     choices : tuple of SchemeChoice
     metrics : mapping of str to LearnedMetric or None
         By the words of the choices that did not fail.
+    helps : mapping of str to sequence of Help or None
+        What a library did for the stretches, by the same words.
     """
 
     compared: ComparedClip
     rate: float
     choices: tuple[SchemeChoice, ...]
     metrics: Mapping[str, LearnedMetric | None]
+    helps: Mapping[str, Sequence[Help] | None]
 
     @property
     def name(self) -> str:
@@ -55,7 +59,9 @@ class Scene:
     def rebuilt(self) -> dict[str, Rebuilt]:
         """Rebuilt stretches, by the words of the schemes."""
         return {
-            choice.word: rebuild(self.stretches, self.rate, choice.scheme, self.metrics[choice.word])
+            choice.word: rebuild(
+                self.stretches, self.rate, choice.scheme, self.metrics[choice.word], self.helps[choice.word]
+            )
             for choice in self.choices
             if choice.word in self.metrics
         }
@@ -131,6 +137,7 @@ def scenes(clips: Sequence[ComparedClip], results: Sequence[TrialResult]) -> lis
             rate,
             tuple(result.trial.choice for result in done),
             {result.trial.choice.word: result.metric for result in done},
+            {result.trial.choice.word: result.helps for result in done},
         )
         for (clip, rate), done in found.items()
     ]

@@ -3,7 +3,7 @@ from gaits import biped
 
 from geomstats_anim import rotations as quat
 from geomstats_anim.learning.library.parts import body_parts
-from geomstats_anim.learning.library.self_check import best_shares
+from geomstats_anim.learning.library.self_check import SHARES, HiddenPoses, best_shares
 
 SKELETON = biped()
 PARTS = body_parts(SKELETON)
@@ -16,8 +16,9 @@ def hidden(n=40):
     return splines, 0.1 * rng.normal(size=(n, SKELETON.n_joints, 3))
 
 
-def shares(splines, residuals, truth):
-    return best_shares(SKELETON, PARTS, splines, residuals, truth)
+def shares(splines, residuals, truth, doubt=0.0):
+    doubts = np.broadcast_to(doubt * SHARES[:, None], (len(PARTS.joints), len(SHARES), 2))
+    return best_shares(HiddenPoses(SKELETON, PARTS, splines, residuals, truth), doubts)
 
 
 def test_what_is_missed_is_taken_whole_and_its_opposite_not_at_all():
@@ -57,3 +58,18 @@ def test_a_gain_of_few_keys_is_doubted():
     weak = 0.12 * missed
     assert shares(splines, weak, truth).all()
     assert not shares(splines[:3], weak[:3], truth[:3]).any()
+
+
+def test_a_gain_that_is_doubted_needs_to_be_larger():
+    splines, missed = hidden()
+    truth = quat.multiply(splines, quat.exp(missed))
+    assert (shares(splines, missed, truth, 0.1) == 1.0).all()
+    assert not shares(splines, missed, truth, 1.2).any()
+
+
+def test_a_gain_that_varies_from_key_to_key_is_used_less():
+    splines, missed = hidden()
+    truth, rng = quat.multiply(splines, quat.exp(missed)), np.random.default_rng(1)
+    steady, unsure = 0.2 * np.ones((40, 1, 1)), 0.2 + 2.0 * rng.permutation(np.repeat([-1.0, 1.0], 20))[:, None, None]
+    assert (shares(splines, steady * missed, truth) == 1.0).all()
+    assert (shares(splines, unsure * missed, truth) < 0.5).all()
