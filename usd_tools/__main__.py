@@ -16,6 +16,7 @@ VERBS = {
     "to_bvh": "convert UsdSkel to BVH",
     "upsample": "add samples, along geodesics of a metric",
     "resample": "exactly F samples per second, on whole frames",
+    "repair": "gaps, spikes and drop-outs of recordings, rebuilt",
     "downsample": "keep few samples, and the metric that rebuilds the others",
     "pack": "few bytes, every sample within a tolerance",
     "unpack": "the samples of packed animation",

@@ -72,7 +72,7 @@ def test_not_a_number(tmp_path, out, refused):
     rotations[7, 1] = np.nan
     make_rig(tmp_path / "in.usda", codes=range(20), rotations=rotations)
     sentence = refused(tmp_path / "in.usda", *out)
-    words = "rotations has a value that is not a finite number at time code 7; repair the file."
+    words = "rotations has a value that is not a finite number at time code 7; usd_tools.repair fills it in."
     assert sentence == f"in.usda: {ANIMATION}: {words}"
 
 

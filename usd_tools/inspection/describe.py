@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom, UsdSkel
 
+from geomstats_anim.faults import GAP
 from usd_tools.console.errors import Messages, ToolError
-from usd_tools.console.text import short_names
+from usd_tools.console.text import counted, short_names
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
 from usd_tools.files.stages import open_stage, stage_path
 from usd_tools.inspection.result import InspectResult
@@ -22,6 +23,7 @@ from usd_tools.metrics.explain import joint_meanings
 from usd_tools.metrics.validation import validate_metric
 from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip, read_clip
+from usd_tools.skel.faults import find_clip_faults
 from usd_tools.skel.find import AnimationSource, find_animations
 from usd_tools.skel.joint_names import names_note, read_names
 from usd_tools.skel.loops import find_loop
@@ -140,7 +142,7 @@ def _describe_animation(source: AnimationSource, messages: Messages) -> dict[str
         "skeletons": [str(prim.GetPath()) for prim in source.skeletons],
     }
     try:
-        clip = read_clip(source)
+        clip = read_clip(source, fills_gaps=True)
     except ToolError as error:
         messages.warn(str(error))
         return {**described, "error": str(error)}
@@ -153,6 +155,14 @@ def _describe_animation(source: AnimationSource, messages: Messages) -> dict[str
         turn = step.in_words(names)
         messages.warn(f"{clip.path}: {turn}; a file cannot store which way a turn beyond 180 degrees went.")
     rotations = clip.channels.get("rotations")
+    faults = [fault.as_dict(names.get(fault.joint, fault.joint)) for fault in find_clip_faults(clip, degrees)]
+    gaps = [fault for fault in faults if fault["kind"] == GAP]
+    if gaps:
+        first = min(fault["start"] for fault in gaps)
+        messages.warn(
+            f"{clip.path} has {counted(len(gaps), 'gap')} from time code {first:g} on, which other commands refuse; "
+            "usd_tools.repair fills them in."
+        )
     return {
         **described,
         "error": None,
@@ -170,6 +180,7 @@ def _describe_animation(source: AnimationSource, messages: Messages) -> dict[str
         "largest_step_joint": None if largest is None else names[largest.joint],
         "wide_steps": [asdict(step) for step in wide],
         "loop": _describe_loop(clip, names),
+        "faults": faults,
         "sign_flips": 0 if rotations is None else count_sign_flips(rotations),
         "not_unit_quaternions": 0 if rotations is None else count_not_unit(rotations),
         "metric": _describe_metric(source, messages),

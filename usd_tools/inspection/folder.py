@@ -14,6 +14,7 @@ from usd_tools.console.tables import show
 from usd_tools.console.text import counted, say
 from usd_tools.inspection.describe import inspect_file
 from usd_tools.inspection.result import InspectResult
+from usd_tools.skel.fault_words import count_kinds
 
 _A_FEW = 4
 """Takes of a rig that are named; JSON has all."""
@@ -43,6 +44,8 @@ class Row:
         Samples per second, and from the first to the last.
     loop : float or None
         Degrees by which it misses being a loop; None for what is none.
+    faults : str or None
+        Their number by kind, "" for none; None for what is not read.
     metric : str or None
         Scheme of the stored metric.
     error : str or None
@@ -57,11 +60,12 @@ class Row:
     rate: float | None = None
     seconds: float | None = None
     loop: float | None = None
+    faults: str | None = None
     metric: str | None = None
     error: str | None = None
 
 
-HEADER = ("file", "rig", "joints", "samples", "rate", "seconds", "loop", "metric")
+HEADER = ("file", "rig", "joints", "samples", "rate", "seconds", "loop", "faults", "metric")
 """Columns of the table; the CSV has all fields of `Row`."""
 
 
@@ -152,6 +156,7 @@ def _row(file: str, animation: dict[str, Any], rigs: dict[str, int]) -> Row:
         animation["samples_per_second"],
         end - start,
         None if animation["loop"] is None else animation["loop"]["misses_degrees"],
+        count_kinds(animation["faults"]),
         None if metric is None else metric.get("scheme"),
         None if metric is None else metric["error"],
     )
@@ -169,5 +174,6 @@ def _cells(row: Row) -> list[str]:
         rate,
         f"{row.seconds:.4g}",
         "" if row.loop is None else f"{row.loop:.2g} deg",
+        row.faults or "",
         row.error or row.metric or "",
     ]

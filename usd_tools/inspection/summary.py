@@ -9,9 +9,11 @@ from usd_tools.console.text import counted, say
 from usd_tools.inspection.result import InspectResult
 from usd_tools.metrics import explain as metric_meaning
 from usd_tools.metrics.explain import JointMeaning, describe_scores
-from usd_tools.skel.rotation_checks import (
-    WIDE_DEGREES,
-)
+from usd_tools.skel.fault_words import HEADER, count_kinds, fault_rows
+from usd_tools.skel.rotation_checks import WIDE_DEGREES
+
+_FAULTS = 10
+"""Rows of faults that are printed; JSON has all."""
 
 
 def print_summary(result: InspectResult) -> None:
@@ -25,11 +27,21 @@ def print_summary(result: InspectResult) -> None:
         )
     for animation in described["animations"]:
         show(f"Animation {animation['prim']}", _animation_rows(animation))
+        _print_faults(animation)
         metric = animation.get("metric")
         if metric is not None and metric["error"] is None:
             _print_metric(animation["prim"], metric)
     if not described["animations"]:
         say("No skeletal animation.")
+
+
+def _print_faults(animation: dict[str, Any]) -> None:
+    rows = fault_rows(animation.get("faults", ()))
+    if not rows:
+        return
+    show(f"Faults of {animation['prim']}", rows[:_FAULTS], HEADER)
+    more = f"{len(rows) - _FAULTS} more are in --json; " if len(rows) > _FAULTS else ""
+    say(f"{more}usd_tools.repair rebuilds them.")
 
 
 def _print_metric(prim: str, metric: dict[str, Any]) -> None:
@@ -115,6 +127,7 @@ def _animation_rows(animation: dict[str, Any]) -> list[tuple[str, str]]:
     if loop is not None:
         how = "the last pose is the first" if loop["closed"] else "the first pose comes one sample later"
         rows.append(("loop", f"{how}; joint {loop['joint_name']} misses by {loop['misses_degrees']:.2g} degrees"))
+    rows.append(("faults", count_kinds(animation["faults"]) or "none"))
     metric = animation["metric"]
     rows.append(("stored metric", "none" if metric is None else metric["error"] or metric["summary"]))
     return rows

@@ -1,8 +1,9 @@
-"""Filter what is faster than a lower rate can hold, before samples are taken at that rate."""
+"""Filter fast motion: what a lower rate cannot hold, before samples are taken at that rate, or noise."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,7 +22,30 @@ EVEN = 1e-2
 """Share of the spacing by which samples of a steady rate may be off."""
 
 
-def filtered_clip(clip: SkelClip, fps: float) -> SkelClip:
+class LowPass(NamedTuple):
+    """Hold what is filtered away, and why.
+
+    Attributes
+    ----------
+    cutoff : float
+        Hertz.
+    rate : float
+        What has no more samples per second than this is left alone.
+    option : str
+        That asks for it.
+    """
+
+    cutoff: float
+    rate: float
+    option: str
+
+
+def before_resampling(fps: float) -> LowPass:
+    """Return the filter of motion that is to be sampled at a rate."""
+    return LowPass(CUTOFF * fps / 2.0, fps, "--antialias")
+
+
+def filtered_clip(clip: SkelClip, low_pass_of: LowPass) -> SkelClip:
     """Filter every channel that has more samples per second than a rate.
 
     What never moves between two cuts stays bit for bit.
@@ -29,8 +53,7 @@ def filtered_clip(clip: SkelClip, fps: float) -> SkelClip:
     Parameters
     ----------
     clip : SkelClip
-    fps : float
-        Samples per second.
+    low_pass_of : LowPass
 
     Returns
     -------
@@ -40,41 +63,41 @@ def filtered_clip(clip: SkelClip, fps: float) -> SkelClip:
     Raises
     ------
     ToolError
-        If samples are not evenly spaced.
+        If samples are not evenly spaced, or too few for the cutoff.
     """
     channels = dict(clip.channels)
     for name, channel in clip.channels.items():
         values = channel.values.copy()
         for span in clip.spans(name):
-            rate = _steady_rate(f"{clip.path}: {name}", channel, span, clip.codes_per_second)
-            if rate <= fps:
+            rate = _steady_rate(f"{clip.path}: {name}", channel, span, clip.codes_per_second, low_pass_of)
+            if rate <= low_pass_of.rate:
                 continue
             keys, moves = channel.values[span].astype(np.float64), ~channel.holds[span.start : span.stop - 1].all(0)
             if name == "rotations":
-                smooth = low_pass_rotations(normalize(keys[:, moves]), rate, CUTOFF * fps / 2.0)
+                smooth = low_pass_rotations(normalize(keys[:, moves]), rate, low_pass_of.cutoff)
             else:
-                smooth = low_pass(keys[:, moves], rate, CUTOFF * fps / 2.0)
+                smooth = low_pass(keys[:, moves], rate, low_pass_of.cutoff)
             values[span.start : span.stop, moves] = smooth
         channels[name] = replace(channel, values=values)
     return replace(clip, channels=channels, given_cuts=clip.cuts)
 
 
-def filtered_op(op: XformOp, cuts: np.ndarray, codes_per_second: float, fps: float) -> XformOp:
+def filtered_op(op: XformOp, cuts: np.ndarray, codes_per_second: float, low_pass_of: LowPass) -> XformOp:
     """Filter a transform op that has more samples per second than a rate; see `filtered_clip`.
 
     Raises
     ------
     ToolError
-        If its samples are not evenly spaced.
+        If its samples are not evenly spaced, or too few for the cutoff.
     """
     channel = op.channel
     values = channel.values.copy()
     for span in channel.stretches(codes_per_second, cuts):
-        rate = _steady_rate(str(op.attribute.GetPath()), channel, span, codes_per_second)
-        if rate <= fps or channel.holds[span.start : span.stop - 1].all():
+        rate = _steady_rate(str(op.attribute.GetPath()), channel, span, codes_per_second, low_pass_of)
+        if rate <= low_pass_of.rate or channel.holds[span.start : span.stop - 1].all():
             continue
         numbers = channel.values[span, 0]
-        parts, cutoff = op.codec.split(numbers), CUTOFF * fps / 2.0
+        parts, cutoff = op.codec.split(numbers), low_pass_of.cutoff
         smooth = Parts(
             low_pass_rotations(parts.turns, rate, cutoff),
             low_pass(parts.path, rate, cutoff),
@@ -84,13 +107,18 @@ def filtered_op(op: XformOp, cuts: np.ndarray, codes_per_second: float, fps: flo
     return replace(op, channel=replace(channel, values=values))
 
 
-def _steady_rate(what: str, channel: Channel, span: slice, codes_per_second: float) -> float:
-    """Return the samples per second of a stretch, or refuse one whose samples are not evenly spaced."""
+def _steady_rate(what: str, channel: Channel, span: slice, codes_per_second: float, low_pass_of: LowPass) -> float:
+    """Return the samples per second of a stretch, or refuse one that cannot be filtered."""
     gaps = np.diff(channel.codes[span])
     usual = float(np.median(gaps))
     rate = codes_per_second / usual
     if np.abs(gaps - usual).max() > EVEN * usual:
         raise ToolError(
-            f"{what} is not evenly sampled, so --antialias cannot filter it; resample it with --fps {rate:g} first."
+            f"{what} is not evenly sampled, so {low_pass_of.option} cannot filter it; resample it with --fps {rate:g} "
+            "first."
+        )
+    if 2.0 * low_pass_of.cutoff >= rate > low_pass_of.rate:
+        raise ToolError(
+            f"{what} has {rate:g} samples per second, so {low_pass_of.option} must be below {rate / 2.0:g} hertz."
         )
     return rate

@@ -11,7 +11,7 @@ from pxr import Usd
 
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.progress import ProgressCallback
-from usd_tools.resampling.antialias import filtered_clip, filtered_op
+from usd_tools.resampling.antialias import before_resampling, filtered_clip, filtered_op
 from usd_tools.resampling.frames import at_frames, nearest_share, whole_frames
 from usd_tools.resampling.options import ResampleOptions
 from usd_tools.resampling.result import ResampleResult
@@ -78,7 +78,7 @@ def _resampled(
     targets = [with_codes(clip, codes, nearest_share(codes)) for clip, codes in zip(sources, frames, strict=True)]
 
     def smooth(clip: SkelClip) -> SkelClip:
-        return filtered_clip(clip, _fps(options)) if options.antialias else clip
+        return filtered_clip(clip, before_resampling(_fps(options))) if options.antialias else clip
 
     if cycles is None:
         results = interpolated([smooth(clip) for clip in clips], targets, metrics, progress)
@@ -127,7 +127,7 @@ def _xforms(
         until = max(last, clip.codes[-1] if cycles is None else cycles.closed[k].codes[-1])
         codes = whole_frames(min(first, clip.codes[0]), until, _fps(options), rate)
         cuts = cuts_of(op, clip, options.looks_for_cuts)
-        smooth = filtered_op(op, cuts, rate, _fps(options)) if options.antialias else op
+        smooth = filtered_op(op, cuts, rate, before_resampling(_fps(options))) if options.antialias else op
         scheme = chosen.metric.scheme
         if cycles is None:
             dense = resample_op(smooth, codes, rate, scheme, cuts)

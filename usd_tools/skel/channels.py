@@ -113,6 +113,17 @@ class Channel:
         same = (left == right).all(axis=-1)
         return same | (left == -right).all(axis=-1) if self.name == "rotations" else same
 
+    @cached_property
+    def squares(self) -> np.ndarray:
+        """Return the squared length of each element, shape=[K, N], in single precision."""
+        return np.einsum("knc,knc->kn", self.values, self.values, dtype=np.float32)
+
+    @cached_property
+    def is_finite(self) -> np.ndarray:
+        """Return whether each element is of finite numbers, shape=[K, N]."""
+        finite = np.isfinite(self.squares)
+        return finite if finite.all() else np.isfinite(self.values).all(axis=-1)
+
     @property
     def is_constant(self) -> bool:
         """Return whether every sample is the same, bit for bit, and none is blocked."""
@@ -165,7 +176,7 @@ def _whole(code: float) -> float:
     return float(nearest) if abs(code - nearest) <= 1e-12 * max(1.0, abs(code)) else code
 
 
-def read_channel(prim: Usd.Prim, name: str, size: int) -> Channel | None:
+def read_channel(prim: Usd.Prim, name: str, size: int, allows_gaps: bool = False) -> Channel | None:
     """Read an attribute of a SkelAnimation.
 
     Parameters
@@ -175,6 +186,9 @@ def read_channel(prim: Usd.Prim, name: str, size: int) -> Channel | None:
         A key of `CHANNELS`.
     size : int
         Elements that each sample must have, N.
+    allows_gaps : bool
+        Read samples whose numbers are not finite, too.
+        Optional, default: False, they are refused.
 
     Returns
     -------
@@ -208,11 +222,16 @@ def read_channel(prim: Usd.Prim, name: str, size: int) -> Channel | None:
         default = None if value is None else _checked(prim, name, size, value, None)
     if default is None:
         return None
-    where = np.argwhere(~np.isfinite(values))
-    if len(where) or not np.isfinite(default).all():
-        at = f" at time code {codes[where[0][0]]:g}" if len(where) else ""
-        raise ToolError(f"{prim.GetPath()}: {name} has a value that is not a finite number{at}; repair the file.")
-    return Channel(name, np.array(codes, dtype=np.float64), values, blocked, default, source)
+    channel = Channel(name, np.array(codes, dtype=np.float64), values, blocked, default, source)
+    if len(codes) and not allows_gaps and not channel.is_finite.all():
+        code = codes[int(np.argmin(channel.is_finite.all(axis=-1)))]
+        raise ToolError(
+            f"{prim.GetPath()}: {name} has a value that is not a finite number at time code {code:g}; usd_tools.repair "
+            "fills it in."
+        )
+    if not len(codes) and not np.isfinite(default).all():
+        raise ToolError(f"{prim.GetPath()}: {name} has a value that is not a finite number; repair the file.")
+    return channel
 
 
 def read_samples(attribute: Usd.Attribute) -> tuple[list[float], list[Any], str]:

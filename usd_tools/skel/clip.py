@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -16,9 +16,10 @@ from geomstats_anim.rotations import IDENTITY, normalize
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.skel.blocks import frame_blocks
 from usd_tools.skel.channels import JOINT_CHANNELS, Channel, sampled_alike, step_pairs
-from usd_tools.skel.clip_channels import check_rotations, check_times, has_no_length, read_channels
+from usd_tools.skel.clip_channels import check_rotations, check_times, read_channels
 from usd_tools.skel.clip_notes import binding_notes, composition_notes, missing_note, variant_notes
 from usd_tools.skel.find import AnimationSource
+from usd_tools.skel.gaps import Gaps, fill_gaps, has_no_length
 from usd_tools.skel.joint_names import names_note, read_names
 from usd_tools.skel.packed import PackedMotion, read_packed
 from usd_tools.skel.skeleton import BoundSkeleton, metres_per_unit, read_skeleton, world_matrices
@@ -68,6 +69,8 @@ class SkelClip:
     given_cuts : array-like, shape=[C, 2]
         Time codes of the samples before and after each cut.
         Optional, default: None, cuts are found where the pose jumps.
+    gaps : mapping of str to Gaps
+        What was filled in where channels have no value, see `read_clip`.
     """
 
     source: AnimationSource
@@ -81,6 +84,7 @@ class SkelClip:
     codes_per_second: float
     notes: tuple[str, ...] = ()
     given_cuts: np.ndarray | None = None
+    gaps: Mapping[str, Gaps] = field(default_factory=dict)
 
     @property
     def path(self) -> str:
@@ -260,7 +264,9 @@ class SkelClip:
         return values / self.world_scale if name == "translations" else values
 
 
-def read_clips(sources: Sequence[AnimationSource], messages: Messages, hides_variants: bool = True) -> list[SkelClip]:
+def read_clips(
+    sources: Sequence[AnimationSource], messages: Messages, hides_variants: bool = True, fills_gaps: bool = False
+) -> list[SkelClip]:
     """Read animations; one of several that is broken is named, and left as it is.
 
     Parameters
@@ -271,6 +277,9 @@ def read_clips(sources: Sequence[AnimationSource], messages: Messages, hides_var
     hides_variants : bool
         False where what is written goes into the chosen variants: no note says then that it hides the others.
         Optional, default: True.
+    fills_gaps : bool
+        See `read_clip`.
+        Optional, default: False.
 
     Returns
     -------
@@ -286,7 +295,7 @@ def read_clips(sources: Sequence[AnimationSource], messages: Messages, hides_var
     errors: list[ToolError] = []
     for source in sources:
         try:
-            clip = read_clip(source)
+            clip = read_clip(source, fills_gaps)
             hidden = () if hides_variants else variant_notes(clip)
             clips.append(replace(clip, notes=tuple(note for note in clip.notes if note not in hidden)))
         except ToolError as error:
@@ -298,12 +307,15 @@ def read_clips(sources: Sequence[AnimationSource], messages: Messages, hides_var
     return clips
 
 
-def read_clip(source: AnimationSource) -> SkelClip:
+def read_clip(source: AnimationSource, fills_gaps: bool = False) -> SkelClip:
     """Read an animation and the skeleton that it drives.
 
     Parameters
     ----------
     source : AnimationSource
+    fills_gaps : bool
+        Fill in samples that are not finite and, of joints that move, rotations of no length; `gaps` tells them.
+        Optional, default: False, they are refused.
 
     Returns
     -------
@@ -319,7 +331,10 @@ def read_clip(source: AnimationSource) -> SkelClip:
     twice = repeated_name(joints)
     if twice is not None:
         raise ToolError(f"{source.path}: joint {twice} is listed twice in joints; repair the file.")
-    channels, notes = read_channels(source, joints)
+    channels, notes = read_channels(source, joints, fills_gaps)
+    gaps: dict[str, Gaps] = {}
+    if fills_gaps:
+        channels, gaps = fill_gaps(source.path, joints, channels)
     check_rotations(source.path, joints, channels.get("rotations"))
     rate = source.stage.GetTimeCodesPerSecond()
     for channel in channels.values():
@@ -339,6 +354,7 @@ def read_clip(source: AnimationSource) -> SkelClip:
         missing,
         bound.world_scale,
         rate,
+        gaps={} if packed is not None else gaps,  # of the preview, which packed motion replaces
     )
     if packed is not None:
         unpacked = unpack_motion(clip, packed)

@@ -1,0 +1,164 @@
+"""The work of `repair`, on a file or on an open stage."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from pxr import Usd
+
+from usd_tools.console.errors import Messages, UsageError
+from usd_tools.console.progress import Progress, ProgressCallback
+from usd_tools.console.text import counted, short_names
+from usd_tools.files.atomic import write_json
+from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
+from usd_tools.files.stages import describe_dependencies, open_stage, stage_path
+from usd_tools.repairing.options import RepairOptions
+from usd_tools.repairing.rebuild import Repair, repair_clip
+from usd_tools.repairing.result import TOOL, RepairedAnimation, RepairResult
+from usd_tools.resampling.antialias import LowPass, filtered_clip, filtered_op
+from usd_tools.skel.channels import Channel
+from usd_tools.skel.clip import read_clips
+from usd_tools.skel.edit_target import EditTargetLayer
+from usd_tools.skel.find import find_animations, select_animations
+from usd_tools.skel.output import Output
+from usd_tools.skel.packed import packed_bytes
+from usd_tools.skel.writer import AnimationLayer
+from usd_tools.skel.xforms import XformOp, cuts_of, find_xform_ops
+
+
+@dataclass(frozen=True, eq=False)
+class RepairedClip:
+    """One animation: its repair, the samples to write, and those of transform ops."""
+
+    repair: Repair
+    channels: dict[str, Channel]
+    xforms: tuple[XformOp, ...]
+    smoothed: tuple[str, ...]
+
+
+@openusd_errors()
+def repair_file(
+    source: Path,
+    out: Path | None,
+    options: RepairOptions,
+    progress: ProgressCallback | None,
+    warn: Callable[[str], None] | None,
+) -> RepairResult:
+    """Repair the animations of a file; see `usd_tools.repair.repair`."""
+    if out is None and not (options.in_place or options.dry_run):
+        raise UsageError("name the output with -o/--out")
+    messages = Messages(warn)
+    target = Output(source, out, options)
+    target.check()
+    with usd_warnings(messages):
+        stage = open_stage(source)
+    target.check_layers(stage)
+    with usd_warnings(messages), reading(source):
+        clips = _repaired(source, stage, options, messages, progress)
+        animations = tuple(map(_described, clips))
+        if not options.dry_run:
+            layer = target.layer(stage, TOOL, options.settings(), messages)
+            _write(layer, clips, messages)
+            target.save(layer)
+    written = not options.dry_run
+    result = RepairResult(
+        source.name,
+        target.path if written else None,
+        target.path.name if written else None,
+        options.settings(),
+        animations,
+        tuple(messages.warnings),
+        f"{describe_dependencies(target.path, messages)}." if written and options.flatten else "",
+    )
+    if options.report is not None:
+        write_json(options.report, result.as_dict())
+    return result
+
+
+@openusd_errors()
+def repair_open_stage(
+    stage: Usd.Stage,
+    options: RepairOptions,
+    progress: ProgressCallback | None,
+    warn: Callable[[str], None] | None,
+) -> RepairResult:
+    """Repair the animations of an open stage; see `usd_tools.repair.repair_stage`."""
+    messages, path = Messages(warn), stage_path(stage)
+    with usd_warnings(messages), reading(path):
+        clips = _repaired(path, stage, options, messages, progress)
+        animations = tuple(map(_described, clips))
+        layer = EditTargetLayer(stage)
+        if not options.dry_run:
+            with layer.editing():
+                _write(layer, clips, messages)
+    written = None if options.dry_run else layer.name
+    return RepairResult(path.name, None, written, options.settings(), animations, tuple(messages.warnings))
+
+
+def _repaired(
+    path: Path, stage: Usd.Stage, options: RepairOptions, messages: Messages, progress: ProgressCallback | None
+) -> list[RepairedClip]:
+    clips = read_clips(select_animations(path, find_animations(stage), options.prim), messages, fills_gaps=True)
+    bar = Progress(progress, len(clips), "Repairing")
+    repaired = []
+    for clip in clips:
+        for note in clip.notes:
+            messages.warn(note)
+        repair = repair_clip(clip, options.max_gap)
+        if repair.left:
+            longest = max(each.samples for each in repair.left)
+            messages.warn(
+                f"{clip.path}: {counted(len(repair.left), 'fault')} of up to {longest} samples left as they are; "
+                "--max-gap rebuilds longer ones."
+            )
+        repaired.append(_smoothed(repair, options, messages))
+        bar.advance(1.0)
+    return repaired
+
+
+def _smoothed(repair: Repair, options: RepairOptions, messages: Messages) -> RepairedClip:
+    """Filter a repaired clip if that is asked for, and choose the samples to write."""
+    clip, names, xforms = repair.clip, list(repair.changed), []
+    channels = {name: replace(clip.channels[name], values=repair.values(name)) for name in clip.channels}
+    smoothed: list[str] = []
+    if options.smooth is not None:
+        low_pass = LowPass(options.smooth, 0.0, "--smooth")
+        channels = dict(filtered_clip(clip, low_pass).channels)
+        smoothed = [name for name, channel in channels.items() if channel.is_animated and not channel.is_constant]
+        found = find_xform_ops(clip.source) if not options.no_xforms else None
+        for note in () if found is None else found.notes:
+            messages.warn(note)
+        for op in () if found is None else found.ops:
+            xforms.append(filtered_op(op, cuts_of(op, clip, True), clip.codes_per_second, low_pass))
+        names = [name for name in channels if name in names or name in smoothed]
+        smoothed += [str(op.attribute.GetPath()) for op in xforms]
+    if names and packed_bytes(clip.source.prim) is not None:  # which goes where samples are written
+        names = [name for name, channel in channels.items() if len(channel.codes)]
+    return RepairedClip(repair, {name: channels[name] for name in names}, tuple(xforms), tuple(smoothed))
+
+
+def _write(layer: AnimationLayer, clips: Sequence[RepairedClip], messages: Messages) -> None:
+    for each in clips:
+        if each.channels:
+            layer.write_animation(each.repair.clip.source, each.channels, {}, None, messages)
+        for op in each.xforms:
+            layer.write_op(op.attribute, op.channel)
+
+
+def _described(repaired: RepairedClip) -> RepairedAnimation:
+    repair = repaired.repair
+    clip, left = repair.clip, set(map(id, repair.left))
+    names = short_names(clip.joints)
+    return RepairedAnimation(
+        clip.path,
+        tuple(str(prim.GetPath()) for prim in clip.source.skeletons),
+        len(clip.joints),
+        len(clip.codes),
+        tuple(
+            {**each.as_dict(names.get(each.joint, each.joint)), "repaired": id(each) not in left}
+            for each in repair.faults
+        ),
+        repaired.smoothed,
+    )
