@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
-from geomstats_anim import rotations as quat
 from geomstats_anim.rotations import Array
+from geomstats_anim.spaces import Space
 
 GAP, SPIKE, DROPOUT = "gap", "spike", "drop-out"
 
@@ -65,90 +65,6 @@ FARTHEST = 3.0
 """It leads at most this times as far as the fastest step around would have led meanwhile: a pose that pops goes on."""
 
 
-class Space(Protocol):
-    """What the rules need of values, shape=[..., C].
-
-    Attributes
-    ----------
-    farthest : float
-        Distance from which on being farther away counts no more than in proportion.
-    """
-
-    farthest: float
-
-    def distance(self, left: Array, right: Array) -> Array:
-        """Return distances, shape=[...]: radians, or lengths in a unit."""
-
-    def same(self, left: Array, right: Array) -> np.ndarray:
-        """Return whether values mean the same, bit for bit, shape=[...]."""
-
-    def between(self, left: Array, right: Array, parameter: Array) -> Array:
-        """Return values on the way at parameters, shape=[...], from 0 to 1."""
-
-    def before(self, first: Array, second: Array) -> Array:
-        """Return the values from which a step leads to the first that is as the one from there to the second."""
-
-
-class Turns:
-    """Quaternions of any length but zero, as rotations; in plain NumPy, for looking for faults is short."""
-
-    farthest = np.pi
-
-    def distance(self, left: Array, right: Array) -> Array:
-        """Return angles, shape=[...], in radians."""
-        return quat.distance(_unit(left), _unit(right))
-
-    def same(self, left: Array, right: Array) -> np.ndarray:
-        """Return whether quaternions are the same or each other's negative, shape=[...]."""
-        return (left == right).all(axis=-1) | (left == -right).all(axis=-1)
-
-    def between(self, left: Array, right: Array, parameter: Array) -> Array:
-        """Return unit quaternions on the chord."""
-        left, right = _unit(left), _unit(right)
-        right = np.where((left * right).sum(axis=-1, keepdims=True) < 0.0, -right, right)
-        return _unit(left + parameter[..., None] * (right - left))
-
-    def before(self, first: Array, second: Array) -> Array:
-        """Return the second quaternions, mirrored at the first."""
-        first, second = _unit(first), _unit(second)
-        return 2.0 * (first * second).sum(axis=-1, keepdims=True) * first - second
-
-
-class Points:
-    """Vectors.
-
-    Parameters
-    ----------
-    unit : float
-        Length that means as much as a turn of one radian.
-    """
-
-    farthest = 1.0
-
-    def __init__(self, unit: float) -> None:
-        self.unit = unit
-
-    def distance(self, left: Array, right: Array) -> Array:
-        """Return distances, shape=[...], in the unit."""
-        return np.linalg.norm(np.asarray(left, dtype=np.float64) - right, axis=-1) / self.unit
-
-    def same(self, left: Array, right: Array) -> np.ndarray:
-        """Return whether points are the same, shape=[...]."""
-        return (left == right).all(axis=-1)
-
-    def between(self, left: Array, right: Array, parameter: Array) -> Array:
-        """Return points on the line."""
-        return left + parameter[..., None] * (np.asarray(right, dtype=np.float64) - left)
-
-    def before(self, first: Array, second: Array) -> Array:
-        """Return the second points, mirrored at the first."""
-        return 2.0 * np.asarray(first, dtype=np.float64) - second
-
-
-def _unit(quaternion: Array) -> Array:
-    return quat.normalize(np.asarray(quaternion, dtype=np.float64))
-
-
 @dataclass(frozen=True)
 class Fault:
     """Samples of one joint that are not to be believed.
@@ -185,10 +101,10 @@ def find_faults(
     A *gap* is what is missing. A *spike* is one to three samples, or half a second that is half a turn off, that leaves
     the motion and comes back: the steps out and back, and the departure from the motion across, are 20 degrees at
     least, and the departure is large beside the unevenness around it, see `PROMINENCE`. A *drop-out* repeats a sample,
-    bit for bit, twice or more while the motion goes on: the joint moves before and after, and the step that ends it is
-    larger than the one after it by more than the mean of the steps before and after. Joints that are held from the same
-    sample to the same sample are judged together. A drop-out too is another value that is held among moving ones, as
-    far off as a spike. What is held and then goes on from there is no fault, however long.
+    bit for bit, twice or more while the motion goes on: the joint moves before and after, and where it was held misses
+    where motion as fast as it is then would have begun by more than the mean of the steps before and after. Joints that
+    are held from the same sample to the same sample are judged together. A drop-out too is another value that is held
+    among moving ones, as far off as a spike. What is held and then goes on from there is no fault, however long.
 
     Parameters
     ----------
@@ -214,7 +130,8 @@ def find_faults(
     Examples
     --------
     >>> import numpy as np
-    >>> from geomstats_anim.faults import Points, find_faults
+    >>> from geomstats_anim.faults import find_faults
+    >>> from geomstats_anim.spaces import Points
     >>> values = np.linspace(0.0, 1.0, 21)[:, None, None] * [[1.0, 0.0, 0.0]]
     >>> values[8:10] += [[0.0, 2.0, 0.0]]
     >>> find_faults(values, np.arange(21.0), Points(1.0))
@@ -328,6 +245,8 @@ def _find_spikes(values: Array, times: Array, space: Space, steps: Array, parent
 
 def _excursions(steps: Array, times: Array) -> _Excursions:
     """List what lies between two wide steps: up to three samples, any number of one value, or half a turn away."""
+    if not len(steps):
+        return _Excursions(*[np.zeros(0, dtype=np.intp)] * 3)
     wide = steps >= LEAST_SPIKE
     joints = np.flatnonzero(wide.sum(axis=0) >= 2)
     # where most steps are wide, only wider ones stand out
@@ -443,7 +362,7 @@ def _find_dropouts(values: Array, space: Space, steps: Array) -> list[Fault]:
     def together(sizes: Array) -> Array:
         return np.sqrt(np.bincount(group, sizes**2, ends.shape[1]))
 
-    missed = space.distance(values[stop, joint], space.before(values[stop + 1, joint], values[stop + 2, joint]))
+    missed = _missed(values, space, steps, joint, stop)
     largest = np.zeros(ends.shape[1])
     np.maximum.at(largest, group, missed)
     mean = 0.5 * (together(steps[start - 1, joint]) + together(steps[stop + 1, joint]))
@@ -462,3 +381,15 @@ def _find_dropouts(values: Array, space: Space, steps: Array) -> list[Fault]:
         Fault(DROPOUT, int(joint[k]), int(start[k]) + 1, int(stop[k]) + 1, float(missed[k]))
         for k in np.flatnonzero(is_fault[group])
     ]
+
+
+def _missed(values: Array, space: Space, steps: Array, joint: np.ndarray, last: np.ndarray) -> Array:
+    """Return how far the last held sample is from where motion as fast as the next step would have begun, shape=[S].
+
+    That is a segment, for it may have begun more slowly; its distance is that of a flat triangle.
+    """
+    begins = space.before(values[last + 1, joint], values[last + 2, joint])
+    far, leaves, next_step = space.distance(values[last, joint], begins), steps[last, joint], steps[last + 1, joint]
+    along = (far**2 + next_step**2 - leaves**2) / (2.0 * next_step)
+    beside = np.sqrt(np.maximum(far**2 - np.clip(along, 0.0, None) ** 2, 0.0))
+    return np.where(along > next_step, leaves, np.where(along > 0.0, beside, far))

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from geomstats_anim import rotations as quat
-from geomstats_anim.faults import DROPOUT, GAP, SPIKE, Fault, Points, Turns, fill, find_faults, mask_of
+from geomstats_anim.faults import DROPOUT, GAP, SPIKE, Fault, fill, find_faults, mask_of
+from geomstats_anim.spaces import Points, Turns
 
 RATE = 30.0
 N_FRAMES, N_JOINTS = 120, 4
@@ -90,6 +91,8 @@ def test_poses_that_are_held_are_no_faults(ease):
     angles = np.concatenate([away[::-1], np.zeros(10), away, np.ones(10), away[::-1]])
     still = quat.exp(np.stack([angles, 0.0 * angles, 0.0 * angles], axis=-1))[:, None]
     assert found(still) == []
+    lands = np.concatenate([np.cumsum([0.1, 23.0, 18.0, 1.8]), np.full(11, 42.9), 42.9 - np.cumsum([6.6, 15.4, 14, 3])])
+    assert found(quat.exp(np.radians(lands)[:, None, None] * [[[1.0, 0.0, 0.0]]])) == []  # toes in flight
     stepped = np.repeat(np.random.default_rng(0).uniform(-1.0, 1.0, 20), 3)
     assert found(quat.exp(np.stack([stepped, stepped, stepped], axis=-1))[:, None]) == []
 

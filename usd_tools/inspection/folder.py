@@ -66,7 +66,7 @@ class Row:
 
 
 HEADER = ("file", "rig", "joints", "samples", "rate", "seconds", "loop", "faults", "metric")
-"""Columns of the table; the CSV has all fields of `Row`."""
+"""Columns of the table, without faults where there are none; the CSV has all fields of `Row`."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,10 @@ class FolderResult:
 
     def print_summary(self) -> None:
         """Print the table, and the rigs of which there are several takes."""
-        show(counted(len(self.files), "file"), [_cells(row) for row in self.rows()], HEADER)
+        cells = [_cells(row) for row in self.rows()]
+        used = [k for k, name in enumerate(HEADER) if name != "faults" or any(row[k] for row in cells)]
+        rows, header = [[row[k] for k in used] for row in cells], [HEADER[k] for k in used]
+        show(counted(len(self.files), "file"), rows, header)
         for rig in self.takes():
             files = rig["files"]
             if len(files) == 1:

@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from geomstats_anim.faults import Points, Space, Turns, fill
+from geomstats_anim.faults import fill
 from geomstats_anim.rotations import IDENTITY
+from geomstats_anim.spaces import Points, Space, Turns
 from usd_tools.console.errors import ToolError
 from usd_tools.console.text import short_names
 from usd_tools.skel.channels import Channel
