@@ -12,10 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from geomstats_anim.names import DROPOUT, GAP, SPIKE
 from geomstats_anim.rotations import Array
 from geomstats_anim.spaces import Space
-
-GAP, SPIKE, DROPOUT = "gap", "spike", "drop-out"
 
 LONGEST_SPIKE = 3
 """Samples of a spike."""

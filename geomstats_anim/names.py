@@ -68,6 +68,9 @@ SEARCHES = ("gradient", "tpe", "tpe-joint")
 TRIALS, JOINT_TRIALS = 1000, 100
 """Default number of trials of the search over all joints at once, and of the search for each joint."""
 
+GAP, SPIKE, DROPOUT = "gap", "spike", "drop-out"
+"""Faults of recorded motion; see `geomstats_anim.faults`."""
+
 
 def repeated_name(names: Sequence[str]) -> str | None:
     """Return the first name that is there before, or None."""

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom, UsdSkel
 
-from geomstats_anim.faults import GAP
+from geomstats_anim.names import GAP
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.text import counted, short_names
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geomstats_anim import SCHEMES, Animation, Skeleton
-from geomstats_anim.faults import GAP, fill, mask_of
-from geomstats_anim.names import DEFAULT_SCHEME
+from geomstats_anim.faults import fill, mask_of
+from geomstats_anim.names import DEFAULT_SCHEME, GAP
 from geomstats_anim.rotations import IDENTITY, normalize
 from usd_tools.skel.blocks import frame_blocks
 from usd_tools.skel.channels import Channel

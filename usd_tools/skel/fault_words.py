@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from geomstats_anim.faults import DROPOUT, GAP, SPIKE
+from geomstats_anim.names import DROPOUT, GAP, SPIKE
 from usd_tools.console.text import counted
 
 SIGN_FLIP = "sign flip"

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from geomstats_anim.faults import DROPOUT, GAP, SPIKE, Fault, find_faults, steps_between
+from geomstats_anim.faults import Fault, find_faults, steps_between
+from geomstats_anim.names import DROPOUT, GAP, SPIKE
 from usd_tools.skel.channels import Channel, step_pairs
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.gaps import space_of
