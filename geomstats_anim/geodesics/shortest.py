@@ -125,50 +125,55 @@ def shortest_momenta(moments: Array, vector: Array, start: Array | None = None, 
     is_thorough = effort == "thorough"
     doubtful, trusted = (_doubtful, 0.0) if is_thorough else (_too_long, _TRUSTED)
     best = _shoot(moments, vector, trusted=trusted)
-    index = doubtful(best, moments, vector)
+    index, images = doubtful(best, moments, vector)
     if start is not None and len(index):
         best.keep_better(index, _shoot(moments[index], vector[index], start[index], trusted=trusted))
-        index = index[doubtful(best.at(index), moments[index], vector[index])]
+        left, images = doubtful(best.at(index), moments[index], vector[index])
+        index = index[left]
     search = _search if is_thorough else _follow
 
     def run(part: slice) -> None:
         for begin in range(part.start, part.stop, _SEARCH_PART):
-            own = index[begin : min(begin + _SEARCH_PART, part.stop)]
-            best.replace(own, search(moments[own], vector[own]))
+            some = slice(begin, min(begin + _SEARCH_PART, part.stop))
+            own = index[some]
+            best.replace(own, search(moments[own], vector[own], best.at(own), images[some]))
 
     in_threads(run, len(index), _FEW)
     return best
 
 
-def _doubtful(shots: Shots, moments: Array, vector: Array) -> np.ndarray:
-    """Find those that were not found, or are not certified as the shortest."""
-    found = shots.status == CONVERGED
-    index = np.flatnonzero(found & (np.sqrt(shots.energy) > _CERTAIN * injectivity_radius(moments)))
-    found[index] = cut_points(moments[index], shots.momentum[index]).is_shortest
-    return np.flatnonzero(~found)
+def _doubtful(shots: Shots, moments: Array, vector: Array) -> tuple[np.ndarray, Array]:
+    """Find those that were not found, or are not certified as the shortest, and images of them; see `cut_points`."""
+    far = np.flatnonzero(~(np.sqrt(shots.energy) <= _CERTAIN * injectivity_radius(moments)))
+    is_certain, images = _certified(shots.at(far), moments[far])
+    return far[~is_certain], images[~is_certain]
 
 
-def _too_long(shots: Shots, moments: Array, vector: Array) -> np.ndarray:
-    """Find those that were not found, or are certainly not the shortest."""
+def _too_long(shots: Shots, moments: Array, vector: Array) -> tuple[np.ndarray, Array]:
+    """Find those that were not found, or are certainly not the shortest, and their momenta."""
     bound = _NO_LONGER * np.sqrt(_bi_invariant_energy(moments, vector)) + _NOTHING
-    return np.flatnonzero(~(np.sqrt(shots.energy) <= bound))
+    index = np.flatnonzero(~(np.sqrt(shots.energy) <= bound))
+    return index, shots.momentum[index]
 
 
-def _follow(moments: Array, vector: Array) -> Shots:
+def _follow(moments: Array, vector: Array, first: Shots, images: Array) -> Shots:
     """Find geodesics by continuation in the metric."""
     return _shoot(moments, vector, may_follow=True)
 
 
-def _search(moments: Array, vector: Array) -> Shots:
-    """Find the shortest geodesics where a shot alone is not enough.
+def _search(moments: Array, vector: Array, first: Shots, images: Array) -> Shots:
+    """Find the shortest geodesics where a first shot was not enough, from it and its images on.
 
     Geodesics from A to B are those from B to A, reversed. The same one of the two is always searched for, so that the
     distance is symmetric even where the search errs.
     """
     largest = np.take_along_axis(vector, np.abs(vector).argmax(axis=1)[:, None], axis=1)
     vector = np.where(largest < 0.0, -vector, vector)
-    best = _shoot(moments, vector)
-    is_certain, images = _certified(best, moments)
+    best, is_certain = first._replace(shots=np.zeros_like(first.shots)), np.zeros(len(vector), dtype=bool)
+    turned = np.flatnonzero(largest[:, 0] < 0.0)
+    if len(turned):
+        best.replace(turned, _shoot(moments[turned], vector[turned]))
+        is_certain[turned], images[turned] = _certified(best.at(turned), moments[turned])
     index, images = np.flatnonzero(~is_certain), images[~is_certain, None]
     for turn, n_starts in enumerate(_ROUNDS):
         if not len(index):

@@ -1,4 +1,4 @@
-"""The page in a browser: it plays, a slider bends the motion, a click chooses a joint, and Save writes the result."""
+"""The page in browsers: it plays, a slider bends motion, a click chooses a joint, Save writes, and two see the same."""
 
 import threading
 from contextlib import contextmanager
@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from chromium import opened
 from real_files import real_file
+from rigs import make_rig, random_rotations
 
 from usd_tools import inspect
 from usd_tools.editing.history import autosave_path
@@ -106,3 +107,35 @@ def test_a_clip_is_edited_with_the_mouse(tmp_path):
             until(tab, lambda: out.exists() and not autosave_path(out).exists())
             assert problems == []
     assert inspect.main([str(out)]) == 0
+
+
+@pytest.mark.slow
+def test_two_browsers_see_the_same_session(tmp_path):
+    make_rig(tmp_path / "in.usda", codes=range(41), rotations=random_rotations(41, 3, size=1.2))
+    with served(tmp_path / "in.usda", tmp_path / "out.usda") as (server, page, session):
+        address = f"http://127.0.0.1:{server.get_port()}"
+        with opened(address, 640, 400) as (one, problems):  # small, for two are rendered by software
+            other = one.context.browser.new_page(viewport={"width": 640, "height": 400})
+            for tab in (one, other):
+                tab.set_default_timeout(120_000)
+            other.on("pageerror", lambda error: problems.append(str(error)))
+            other.goto(address)
+            until(one, lambda: len(server.get_clients()) == 2)
+            boxes = [tab.get_by_label("alpha =", exact=True) for tab in (one, other)]
+
+            one.bring_to_front()
+            boxes[0].fill("4")
+            until(other, lambda: getattr(session.edits[-1], "alpha", None) == 4.0)
+            until(other, lambda: [box.input_value() for box in boxes] == ["4", "4"])
+            other.bring_to_front()
+            other.get_by_role("button", name="undo").click()
+            until(one, lambda: [box.input_value() for box in boxes] == ["1", "1"])
+            other.get_by_role("button", name="Play").click()
+            one.get_by_role("button", name="Pause").wait_for()
+            page.choose_pattern("*arm*")
+            for tab in (one, other):
+                tab.get_by_text("chosen joint").wait_for()
+            one.close()
+            other.get_by_role("button", name="Pause").click()
+            until(other, lambda: not page.clock.is_playing)
+            assert problems == []
