@@ -1,6 +1,6 @@
 """Take the pictures of the page of `live`: python docs/make_screenshots.py [FILE ... -o FOLDER].
 
-Without files it takes the two that are kept in git, of the example pitch. With files it takes one of each into a folder,
+Without files it takes the two that are kept in git, of the example pitch. With files it takes one of each, into FOLDER,
 to be looked at: with Y up and Z up, without a skin, with many joints. It needs the extra live, and Playwright with
 Debian's chromium, as the tests do.
 """
