@@ -2,6 +2,7 @@
 
 import math
 import sys
+from types import SimpleNamespace
 
 import bpy
 from armatures import only_armature
@@ -63,6 +64,42 @@ def file_state():
             state[f"played by {thing.name}"] = (animation.action.name, animation.action_slot.identifier)
             state[f"of {thing.name}"] = {name: repr(thing[name]) for name in thing.keys() if name != "geodesic"}
     return state
+
+
+class Layout:
+    """A layout that checks what is drawn in it: properties and operators that are there."""
+
+    def __init__(self):
+        self.shown = []
+
+    def prop(self, data, name, **options):
+        getattr(data, name)
+        assert name in data.bl_rna.properties
+        self.shown.append(name)
+
+    def operator(self, name, **options):
+        group, _, own = name.partition(".")
+        assert getattr(getattr(bpy.ops, group), own).get_rna_type()
+        self.shown.append(name)
+
+    def label(self, text="", icon="NONE"):
+        assert icon in bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items
+
+    def row(self, **options):
+        return self
+
+    column = row
+
+
+def draw_panels():
+    """Draw the panels into nothing, which is all that Blender without a window can do, and return what they show."""
+    shown = []
+    for name in ("in_betweens", "style", "metric"):
+        panel, layout = getattr(bpy.types, f"GEODESIC_PT_{name}"), Layout()
+        assert panel.poll(bpy.context)
+        panel.draw(SimpleNamespace(layout=layout), bpy.context)
+        shown += layout.shown
+    return shown
 
 
 def thin(armature, every):

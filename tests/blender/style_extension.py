@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import bpy
 import numpy as np
-from extension import MODULE, curves, dump, file_state, install, load, part, thin
+from extension import MODULE, curves, draw_panels, dump, file_state, install, load, part, thin
 
 archive, python, source, library, folder = sys.argv[1:]
 install(archive, python)
@@ -38,6 +38,8 @@ assert armature.geodesic.scheme == found["scheme"]
 place = {joint.rsplit("/", 1)[-1]: i for i, joint in enumerate(found["joints"])}
 words = {"alpha": "alpha", "beta": "beta", "tension": "tension", "side": "invariance"}
 assert bpy.ops.geodesic.in_betweens() == {"FINISHED"}
+bpy.context.object.data.bones.active = bones[2].bone
+assert len(draw_panels()) > 15
 for bone in bones:
     for name, word in words.items():
         assert bone[f"geodesic_{name}"] == found[word][place[bone.name]], (bone.name, name)
@@ -149,7 +151,8 @@ result = armature.animation_data.action
 filled = dump(result)
 whole = {key for key, keys in filled.items() if len(keys[0]) == last - first + 1}
 assert stays <= sparse.keys() and all(filled[key] == sparse[key] for key in stays)
-assert whole == filled.keys() - stays
+level = {key for key, keys in sparse.items() if len({value for _, value in keys[0]}) == 1}
+assert whole == filled.keys() - stays - level and all(filled[key] == sparse[key] for key in level)
 assert (path(9, "rotation_euler"), 0) not in filled and ("location", 1) in whole
 values = [value for _, value in filled[path(9, "rotation_euler"), 2][0]]
 assert values[7] == 7.0 and values[-1] == 14.0 and all(abs(b - a) < 2.0 for a, b in pairwise(values))

@@ -57,12 +57,18 @@ def in_betweens(header: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> 
         raise ToolError(f"There is no scheme {scheme!r}{did_you_mean(scheme, SCHEME_NAMES)}")
     library = read_library(header, groups, rig) if scheme == LEARNED else None
     fallbacks: list[Fallback] = []
+    spun: dict[str, None] = {}
     results = {}
     for g, group in enumerate(groups):
-        found, values = _interpolated(group, rig, library)
+        found, spinning, values = _interpolated(group, rig, library)
         fallbacks += found
+        spun.update(dict.fromkeys(spinning))
         results.update({f"{g}/{i}": each for i, each in enumerate(values)})
     notes = [f"{len(fallbacks)} segments are slerped. The first: {fallbacks[0]}"] if fallbacks else []
+    if spun:
+        notes.append(
+            f"Angles that go half a turn or further are interpolated themselves, without metric: {', '.join(spun)}."
+        )
     return {"notes": notes}, results
 
 
@@ -84,8 +90,13 @@ def read_library(header: Mapping[str, Any], groups: Sequence[Group], rig: Rig) -
     return file.library
 
 
-def _interpolated(group: Group, rig: Rig, library: MotionLibrary | None) -> tuple[tuple[Fallback, ...], list[Array]]:
-    """Interpolate the tracks of a group as animations: turns and paths of joints, and angles as paths of their own."""
+def _interpolated(
+    group: Group, rig: Rig, library: MotionLibrary | None
+) -> tuple[tuple[Fallback, ...], list[str], list[Array]]:
+    """Interpolate the tracks of a group as animations: turns and paths of joints, and angles as paths of their own.
+
+    Returned are segments that are slerped, joints whose angles are paths, and the values of the tracks.
+    """
     codecs = [codec(track.channel, track.values) for track in group.tracks]
     keys = [each.split(track.values) for track, each in zip(group.tracks, codecs, strict=True)]
     spins = [track.turns and bool(part.path.any()) for track, part in zip(group.tracks, keys, strict=True)]
@@ -109,7 +120,8 @@ def _interpolated(group: Group, rig: Rig, library: MotionLibrary | None) -> tupl
         for i, b in zip(chosen, columns, strict=True):
             parts = Parts(quat.multiply(rest[b], dense.rotations[:, b]), dense.translations[:, b], dense.scales[:, b])
             values[i] = codecs[i].join(parts, group.tracks[i].values, segment)
-    return fallbacks, values
+    names = [*rig.skeleton.joints, "the armature"]
+    return fallbacks, [names[group.tracks[i].joint] for i, each in enumerate(spins) if each], values
 
 
 def _rest(rig: Rig, joints: Sequence[int]) -> Array:

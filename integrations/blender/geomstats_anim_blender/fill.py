@@ -112,7 +112,7 @@ def plan(armature, copy, scope):
 def _noted(armature, track, before, scope):
     """Return the note of a track, or None if it is not in the scope."""
     settings, owner = armature.geodesic, tr.owner_of(armature, track.bone)
-    if settings.only_selected_bones and (track.bone == tr.OBJECT or not owner.bone.select):
+    if settings.only_selected_bones and (track.bone == tr.OBJECT or not style.is_selected(owner)):
         return None
     rest = {str(i): float(value) for i, value in enumerate(getattr(owner, track.name)) if i not in track.curves}
     rest |= {} if before is None else before["rest"]
@@ -200,6 +200,9 @@ def _write(track, values, curves):
                 continue
             curve = curves.new(track.path, index=index)
             own = fc.generated(np.zeros(0), np.zeros(0))
+        if fc.is_flat(own, values[:, index]):
+            fc.write_keys(curve, own, track.before[index])
+            continue
         between = fc.generated(track.wanted, values[:, index])
         between[breaks, fc.INTERPOLATION] = constant
         missing = ~fc.is_at(track.frames, own[:, fc.FRAME])

@@ -108,6 +108,8 @@ class Learn(_OnArmature, bpy.types.Operator):
         context.workspace.status_text_set(f"{self._text} (Esc to end)")
         if event.type == "ESC":
             service.close()
+            self._thread.join()
+            self._error = "Learning was ended."
         elif event.type != "TIMER" or self._thread.is_alive():
             return {"PASS_THROUGH"}
         self._thread.join()
@@ -115,7 +117,7 @@ class Learn(_OnArmature, bpy.types.Operator):
         context.workspace.status_text_set(None)
         armature = bpy.data.objects.get(self._armature)
         if self._error is not None or self._answer is None or armature is None:
-            self.report({"WARNING"}, self._error or "Ended.")
+            self.report({"WARNING"}, self._error or f"{self._armature} is gone.")
             return {"CANCELLED"}
         self.report({"INFO"}, learn.take(armature, self._answer))
         return {"FINISHED"}
@@ -129,7 +131,7 @@ class Mirror(_OnArmature, bpy.types.Operator):
 
     def work(self, context, armature):
         """Mirror."""
-        bones = [bone for bone in armature.pose.bones if bone.bone.select]
+        bones = [bone for bone in armature.pose.bones if style.is_selected(bone)]
         n = style.mirror(bones)
         if not n:
             raise style.StyleError("No selected bone has a counterpart; Blender's rules of names are .L and .R.")
@@ -145,7 +147,7 @@ class Reset(_OnArmature, bpy.types.Operator):
 
     def work(self, context, armature):
         """Reset."""
-        bones = [bone for bone in armature.pose.bones if bone.bone.select]
+        bones = [bone for bone in armature.pose.bones if style.is_selected(bone)]
         style.reset(bones)
         style.changed(armature)
         return f"Reset {len(bones)} bones."
@@ -190,7 +192,7 @@ class ExportMetric(_OnArmature, ExportHelper, bpy.types.Operator):
 
 
 class Check(bpy.types.Operator):
-    """Start geomstats-anim, and say its version."""
+    """Start geomstats-anim and say its version; after an installation it compiles now, for up to a minute."""
 
     bl_idname = "geodesic.check"
     bl_label = "Check"
@@ -199,6 +201,7 @@ class Check(bpy.types.Operator):
         """Ask for the version."""
         try:
             answer, _ = service.ask({"request": "hello"}, {})
+            service.warm_up()
         except service.ServiceError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

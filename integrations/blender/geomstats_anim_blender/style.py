@@ -205,7 +205,7 @@ def store(armature, document=None):
     if document is None and old is None and not is_styled(armature):
         return
     text, sides = json.dumps(new, allow_nan=False), sorted(set(new["invariance"]))
-    for holder in _holders(armature):
+    for holder in filter(lambda holder: holder.is_editable, _holders(armature)):
         holder[KEY] = text
         holder[SUMMARY] = f"{new['scheme']}, {len(new['joints'])} joints, {' and '.join(sides)}"
 
@@ -326,7 +326,12 @@ def _is_number(entry):
     return isinstance(entry, int | float) and not isinstance(entry, bool) and math.isfinite(entry)
 
 
+def is_selected(bone):
+    """Return whether a pose bone is selected, which Blender 5 asks the pose bone itself."""
+    return bone.select if hasattr(bone, "select") else bone.bone.select
+
+
 def selected(bone):
     """Return the bones that are edited with one: all selected ones of its armature if it is selected, else itself."""
-    chosen = [each for each in bone.id_data.pose.bones if each.bone.select]
+    chosen = [each for each in bone.id_data.pose.bones if is_selected(each)]
     return chosen if bone in chosen else [bone]

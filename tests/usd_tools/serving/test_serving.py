@@ -123,7 +123,9 @@ def test_angles_that_tell_how_far_it_goes_are_interpolated(channel, angles):
     values = np.stack([angles, *still.T], axis=1)
     if channel == "AXIS_ANGLE":
         values = np.concatenate([angles[:, None], np.tile([0.6, 0.0, 0.8], (5, 1))], axis=1)
-    ((_, arrays),) = asked(request([(0, channel, values)], LearnedMetric.plain(tuple(JOINTS), "slerp")))
+    ((header, arrays),) = asked(request([(0, channel, values)], LearnedMetric.plain(tuple(JOINTS), "slerp")))
+    (note,) = header["notes"]
+    assert note.startswith("Angles that go half a turn") and note.endswith(": hips.")
     np.testing.assert_allclose(arrays["0/0"][:, 0], np.interp(WANTED, TIMES, angles), atol=1e-12)
     np.testing.assert_allclose(arrays["0/0"][:, 1:], np.tile(values[0, 1:], (40, 1)), atol=1e-12)
 
