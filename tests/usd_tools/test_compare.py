@@ -201,7 +201,7 @@ def test_failing_cell_is_named_and_the_rest_goes_on(tmp_path, run, monkeypatch):
         def __call__(self, times):
             raise RuntimeError("no such luck")
 
-    monkeypatch.setitem(comparison.SCHEMES, "linear", Broken)
+    monkeypatch.setitem(SCHEMES, "linear", Broken)
     make_clip(tmp_path / "in.usda", count=12)
     words = ["--rates", ".4", "--schemes", "linear", "slerp"]
     code, out, err = run("compare", tmp_path / "in.usda", "-o", tmp_path / "out", *words)
