@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from blender import blender
 from pxr import Usd
+from real_files import real_file
 from rigs import bits, make_rig, random_rotations, read
 from test_blender import quaternions
 
@@ -31,3 +32,25 @@ def test_blender_opens_packed_and_unpacked_files(tmp_path, run):
         assert quat.distance(quaternions(shown["rotations"]), wanted).max() < 1e-4
     assert len(read(packed)[0]) == KEYS and bits(read(packed)[1][:1]) == bits(read(source)[1][:1])
     assert dense.n_frames == N
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["clips/pitching.usda", "usd/mayausd_HIK_Export.usda"])
+def test_blender_opens_a_real_clip_packed_and_unpacked(tmp_path, run, name):
+    source, packed, back = real_file(name), tmp_path / "packed.usdc", tmp_path / "back.usdc"
+    run("pack", source, "-o", packed, "--tolerance", 0.1, "--effort", "fast", "--preview", KEYS)
+    run("unpack", packed, "-o", back)
+    for path in (packed, back):
+        stage = Usd.Stage.Open(str(path))
+        prim = stage.GetPrimAtPath(find_animations(stage)[0].path)
+        attribute = prim.GetAttribute("rotations")
+        codes = attribute.GetTimeSamples()
+        np.save(tmp_path / "frames.npy", np.array(codes))
+        shown = blender("read_usd.py", path, tmp_path / f"{path.stem}.npz", tmp_path / "frames.npy")
+        np.testing.assert_allclose(shown["keys"], codes, atol=1e-3)
+        place = {joint.rpartition("/")[2]: k for k, joint in enumerate(prim.GetAttribute("joints").Get())}
+        assert set(shown["names"]) == set(place)
+        wanted = quat.normalize(np.array([np.array(attribute.Get(code)) for code in codes], dtype=np.float64))
+        in_blenders_order = wanted[:, [place[bone] for bone in shown["names"]]]
+        assert quat.distance(quaternions(shown["rotations"]), in_blenders_order).max() < 2e-3
+        assert len(codes) == (KEYS if path == packed else len(read_clip(find_animations(stage)[0]).codes))

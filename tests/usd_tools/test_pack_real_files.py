@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from file_table import TABLE
 from pxr import Usd
-from real_files import SHARED, real_file
+from real_files import CLIPS, SHARED, real_file
 
 from geomstats_anim.markers import Markers, world_errors
 from usd_tools.skel.clip import read_clip
@@ -15,6 +15,8 @@ from usd_tools.skel.resampling import animation_of
 
 STRANGERS = sorted(path.name for path in (SHARED / "strangers").glob("*.usd*")) if SHARED.is_dir() else []
 FILES = [name for name, row in TABLE.items() if row.downsample is None] + [f"strangers/{name}" for name in STRANGERS]
+CAPTURED = ["12_01_walk_pybvh", "124_01", "animateddrawings_jumping_jacks", "animateddrawings_dab"]
+LIBRARY = ["01/01_01.usdc", "bandai/run_happy_001.usdc"]
 TOLERANCE = 1.0
 
 
@@ -30,9 +32,21 @@ def clips(path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("name", FILES + [f"library/{name}" for name in LIBRARY])
 def test_round_trip(tmp_path, name, run):
-    source, packed, back = real_file(name), tmp_path / "packed.usdc", tmp_path / "back.usdc"
+    check_round_trip(tmp_path, real_file(name), run)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CAPTURED)
+def test_round_trip_of_motion_capture(tmp_path, name, run):
+    captured = tmp_path / "captured.usdc"
+    assert run("from_bvh", real_file(f"bvh/{name}.bvh"), "-o", captured)[0] == 0
+    check_round_trip(tmp_path, captured, run)
+
+
+def check_round_trip(tmp_path, source, run):
+    packed, back = tmp_path / "packed.usdc", tmp_path / "back.usdc"
     report = tmp_path / "report.json"
     words = ["--tolerance", TOLERANCE, "--effort", "fast", "--report", report]
     code, _, err = run("pack", source, "-o", packed, *words)
@@ -57,3 +71,13 @@ def test_round_trip(tmp_path, name, run):
         markers = Markers.of_shell(truth)
         if len(truth.times) == at.sum() and truth.n_joints:
             assert 100.0 * world_errors(ours.at_frames(at), truth, markers).max() <= TOLERANCE
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [*CLIPS, "usd/mayausd_HIK_Export.usda"])
+def test_a_tenth_of_a_millimetre(tmp_path, name, run):
+    source, packed = real_file(name), tmp_path / "packed.usdc"
+    assert run("pack", source, "-o", packed, "--tolerance", 0.01, "--effort", "fast")[0] == 0
+    (truth,), (ours,) = (tuple(clips(path).values()) for path in (source, packed))
+    errors = world_errors(animation_of(ours), animation_of(truth), Markers.of_shell(animation_of(truth)))
+    assert 0.004 < 100.0 * errors.max() <= 0.01

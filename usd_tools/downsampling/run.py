@@ -3,29 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from pxr import Usd
 
-from usd_tools.console.errors import Messages, ToolError, UsageError
+from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.progress import ProgressCallback, SearchProgress
 from usd_tools.downsampling.options import DownsampleOptions
 from usd_tools.downsampling.reduce import DownsampledClip, downsample_clip, verified
 from usd_tools.downsampling.result import TOOL, DownsampledAnimation, DownsampleResult
 from usd_tools.downsampling.summary import PICTURES, describe, draw, twist_sentence
 from usd_tools.downsampling.thinning import write_sparse
-from usd_tools.files.atomic import write_json
-from usd_tools.files.openusd_errors import openusd_errors, reading, usd_unheard, usd_warnings
 from usd_tools.files.paths import check_output, same_file
-from usd_tools.files.stages import describe_dependencies, open_stage, stage_path
 from usd_tools.skel.clip import read_clips
-from usd_tools.skel.edit_target import EditTargetLayer
-from usd_tools.skel.find import AnimationSource, find_animations, select_animations
+from usd_tools.skel.find import AnimationSource, select_animations
 from usd_tools.skel.output import Output
+from usd_tools.skel.replacing import Work, replace_in_file, replace_on_stage
 from usd_tools.skel.writer import AnimationLayer
 
 
-@openusd_errors()
 def downsample_file(
     source: Path,
     out: Path | None,
@@ -34,53 +31,12 @@ def downsample_file(
     warn: Callable[[str], None] | None,
 ) -> DownsampleResult:
     """Downsample the animations of a file; see `usd_tools.downsample.downsample`."""
-    if out is None and not options.in_place:
-        raise UsageError("name the output with -o/--out")
-    messages = Messages(warn)
-    target = Output(source, out, options)
-    target.check()
-    _check_picture(options, target)
-    with usd_warnings(messages):
-        stage = open_stage(source)
-    target.check_layers(stage)
-    size_before = source.stat().st_size
-    with usd_warnings(messages), reading(source):
-        everyone = find_animations(stage)
-        sources = select_animations(source, everyone, options.prim)
-        target = target.without_source(sources)
-        clips = _downsampled(source, sources, options, messages, progress, not target.copy)
-        if options.picture is not None and not any(each.clip.joints for each in clips):
-            raise ToolError(f"--picture draws the motion of joints, but {source} has blend shapes only; leave it out.")
-        layer = target.layer(stage, TOOL, options.settings(), messages)
-        layer.replace_samples([each.clip.source for each in clips], everyone)
-        _write(layer, clips, messages)
-        checked: list[DownsampledClip] = []
-
-        def verify(beside: Path) -> None:
-            with usd_unheard():  # the source has told what is wrong
-                checked.extend(verified(open_stage(beside), target.path, clips, options))
-
-        target.save(layer, verify)
-    animations = _described(checked, options, messages)
-    result = DownsampleResult(
-        source.name,
-        target.path,
-        target.path.name,
-        options.settings(),
-        size_before,
-        target.path.stat().st_size,
-        animations,
-        dependencies=describe_dependencies(target.path, messages),
-        warnings=tuple(messages.warnings),
+    work = _work(options)._replace(
+        check=lambda target: _check_picture(options, target), finish=lambda clips: _draw(options, clips)
     )
-    if options.picture is not None:
-        draw(checked, options.picture)
-    if options.report is not None:
-        write_json(options.report, result.as_dict())
-    return result
+    return replace_in_file(source, out, options, work, progress, warn)
 
 
-@openusd_errors()
 def downsample_open_stage(
     stage: Usd.Stage,
     options: DownsampleOptions,
@@ -88,17 +44,28 @@ def downsample_open_stage(
     warn: Callable[[str], None] | None,
 ) -> DownsampleResult:
     """Downsample the animations of an open stage; see `usd_tools.downsample.downsample_stage`."""
-    messages, path, layer = Messages(warn), stage_path(stage), EditTargetLayer(stage)
-    with usd_warnings(messages), reading(path):
-        sources = select_animations(path, find_animations(stage), options.prim)
-        clips = _downsampled(path, sources, options, messages, progress)
-        with layer.editing():
-            _write(layer, clips, messages)
-            checked = verified(stage, path, clips, options)
-    animations = _described(checked, options, messages)
-    return DownsampleResult(
-        path.name, None, layer.name, options.settings(), None, None, animations, tuple(messages.warnings)
+    options = replace(options, picture=None)
+    return replace_on_stage(stage, options, _work(options), progress, warn)
+
+
+def _work(options: DownsampleOptions) -> Work[DownsampledClip]:
+    return Work(
+        TOOL,
+        DownsampleResult,
+        select=lambda path, everyone: select_animations(path, everyone, options.prim),
+        clips=lambda path, sources, messages, progress, hides_variants: _downsampled(
+            path, sources, options, messages, progress, hides_variants
+        ),
+        source=lambda downsampled: downsampled.clip.source,
+        write=_write,
+        verify=lambda stage, path, clips: verified(stage, path, clips, options),
+        describe=lambda clips, messages: _described(clips, options, messages),
     )
+
+
+def _draw(options: DownsampleOptions, clips: Sequence[DownsampledClip]) -> None:
+    if options.picture is not None:
+        draw(clips, options.picture)
 
 
 def _check_picture(options: DownsampleOptions, target: Output) -> None:
@@ -119,7 +86,7 @@ def _downsampled(
     options: DownsampleOptions,
     messages: Messages,
     progress: ProgressCallback | None,
-    hides_variants: bool = True,
+    hides_variants: bool,
 ) -> list[DownsampledClip]:
     found = []
     for clip in read_clips(sources, messages, hides_variants):
@@ -127,10 +94,12 @@ def _downsampled(
     clips = [each for each in found if each is not None]
     if not clips:
         raise ToolError(f"{path} has no skeletal animation with at least two samples.")
+    if options.picture is not None and not any(each.clip.joints for each in clips):
+        raise ToolError(f"--picture draws the motion of joints, but {path} has blend shapes only; leave it out.")
     return clips
 
 
-def _write(layer: AnimationLayer, clips: Sequence[DownsampledClip], messages: Messages) -> None:
+def _write(layer: AnimationLayer, clips: Sequence[DownsampledClip], _as_text: bool, messages: Messages) -> None:
     for each in clips:
         write_sparse(layer, each.clip, each.sparse, each.metric if each.clip.joints else None, messages)
 

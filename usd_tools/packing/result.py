@@ -25,6 +25,8 @@ class PackedAnimation:
     samples, joints : int
     packed : tuple of str
         Attributes that move, and are packed.
+    xforms : tuple of str
+        Transforms that are packed with them.
     constant : tuple of str
         Attributes that never change, and are one value.
     preview_time_codes : tuple of float
@@ -43,6 +45,7 @@ class PackedAnimation:
     samples: int
     joints: int
     packed: tuple[str, ...]
+    xforms: tuple[str, ...]
     constant: tuple[str, ...]
     preview_time_codes: tuple[float, ...]
     bytes_packed: int

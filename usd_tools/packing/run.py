@@ -7,25 +7,19 @@ from pathlib import Path
 
 from pxr import Usd
 
-from usd_tools.console.errors import Messages, ToolError, UsageError
+from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.progress import ProgressCallback
-from usd_tools.files.atomic import write_json
-from usd_tools.files.openusd_errors import openusd_errors, reading, usd_unheard, usd_warnings
-from usd_tools.files.paths import extension
-from usd_tools.files.stages import describe_dependencies, is_binary, open_stage, stage_path
 from usd_tools.packing.encode import PackedClip, pack_clip, verified
 from usd_tools.packing.options import PackOptions
 from usd_tools.packing.result import PACK, PackedAnimation, PackResult
 from usd_tools.skel.clip import read_clips
-from usd_tools.skel.edit_target import EditTargetLayer
-from usd_tools.skel.find import AnimationSource, find_animations, select_animations
-from usd_tools.skel.output import Output
+from usd_tools.skel.find import AnimationSource, select_animations
 from usd_tools.skel.packed import StoredStream
+from usd_tools.skel.replacing import Work, replace_in_file, replace_on_stage
 from usd_tools.skel.sizes import clip_bytes_numpy, clip_bytes_usdc
 from usd_tools.skel.writer import AnimationLayer
 
 
-@openusd_errors()
 def pack_file(
     source: Path,
     out: Path | None,
@@ -34,48 +28,9 @@ def pack_file(
     warn: Callable[[str], None] | None,
 ) -> PackResult:
     """Pack the animations of a file; see `usd_tools.pack.pack`."""
-    if out is None and not options.in_place:
-        raise UsageError("name the output with -o/--out")
-    messages = Messages(warn)
-    target = Output(source, out, options)
-    target.check()
-    with usd_warnings(messages):
-        stage = open_stage(source)
-    target.check_layers(stage)
-    size_before = source.stat().st_size
-    with usd_warnings(messages), reading(source):
-        everyone = find_animations(stage)
-        sources = select_animations(source, everyone, options.prim)
-        target = target.without_source(sources)
-        clips = _packed(source, sources, options, messages, progress, not target.copy)
-        layer = target.layer(stage, PACK, options.settings(), messages)
-        layer.replace_samples([each.clip.source for each in clips], everyone)
-        _write(layer, clips, _is_text(target.path, options), messages)
-        checked: list[PackedClip] = []
-
-        def verify(beside: Path) -> None:
-            with usd_unheard():  # the source has told what is wrong
-                checked.extend(verified(open_stage(beside), target.path, clips, options))
-
-        target.save(layer, verify)
-        animations = tuple(map(_described, checked))
-    result = PackResult(
-        source.name,
-        target.path,
-        target.path.name,
-        options.settings(),
-        size_before,
-        target.path.stat().st_size,
-        animations,
-        dependencies=describe_dependencies(target.path, messages),
-        warnings=tuple(messages.warnings),
-    )
-    if options.report is not None:
-        write_json(options.report, result.as_dict())
-    return result
+    return replace_in_file(source, out, options, _work(options), progress, warn)
 
 
-@openusd_errors()
 def pack_open_stage(
     stage: Usd.Stage,
     options: PackOptions,
@@ -83,22 +38,21 @@ def pack_open_stage(
     warn: Callable[[str], None] | None,
 ) -> PackResult:
     """Pack the animations of an open stage; see `usd_tools.pack.pack_stage`."""
-    messages, path, layer = Messages(warn), stage_path(stage), EditTargetLayer(stage)
-    with usd_warnings(messages), reading(path):
-        sources = select_animations(path, find_animations(stage), options.prim)
-        clips = _packed(path, sources, options, messages, progress)
-        with layer.editing():
-            _write(layer, clips, layer.layer.GetFileFormat().formatId == "usda", messages)
-            checked = verified(stage, path, clips, options)
-    return PackResult(
-        path.name,
-        None,
-        layer.name,
-        options.settings(),
-        None,
-        None,
-        tuple(map(_described, checked)),
-        tuple(messages.warnings),
+    return replace_on_stage(stage, options, _work(options), progress, warn)
+
+
+def _work(options: PackOptions) -> Work[PackedClip]:
+    return Work(
+        PACK,
+        PackResult,
+        select=lambda path, everyone: select_animations(path, everyone, options.prim),
+        clips=lambda path, sources, messages, progress, hides_variants: _packed(
+            path, sources, options, messages, progress, hides_variants
+        ),
+        source=lambda packed: packed.clip.source,
+        write=_write,
+        verify=lambda stage, path, clips: verified(stage, path, clips, options),
+        describe=lambda clips, _: tuple(map(_described, clips)),
     )
 
 
@@ -108,7 +62,7 @@ def _packed(
     options: PackOptions,
     messages: Messages,
     progress: ProgressCallback | None,
-    hides_variants: bool = True,
+    hides_variants: bool,
 ) -> list[PackedClip]:
     found = []
     for clip in read_clips(sources, messages, hides_variants):
@@ -117,15 +71,6 @@ def _packed(
     if not clips:
         raise ToolError(f"{path} has no skeletal animation with at least two samples.")
     return clips
-
-
-def _is_text(path: Path, options: PackOptions) -> bool:
-    """Return whether a file that is written is text."""
-    if extension(path) == ".usd":
-        if options.in_place and not options.flatten:
-            return not is_binary(path)
-        return options.usd_format == "usda"
-    return extension(path) == ".usda"
 
 
 def _write(layer: AnimationLayer, clips: Sequence[PackedClip], as_text: bool, messages: Messages) -> None:
@@ -152,7 +97,8 @@ def _described(packed: PackedClip) -> PackedAnimation:
         packed.skeleton_paths,
         len(packed.frames.codes),
         len(packed.clip.joints),
-        (*packed.frames.moving, *packed.frames.xforms),
+        tuple(packed.frames.moving),
+        tuple(packed.frames.xforms),
         tuple(name for name in packed.clip.channels if name not in packed.preview),
         tuple(sorted(codes)),
         len(packed.stream),

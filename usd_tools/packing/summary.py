@@ -38,11 +38,12 @@ def _preview(result: PackResult) -> str:
 
 def _print_animation(animation: PackedAnimation) -> None:
     what = counted(animation.joints, "joint") if animation.joints else "blend shapes"
+    attributes = " and ".join((*animation.packed, *animation.xforms))
     bytes_packed = animation.bytes_packed
     of_usdc, of_numpy = (_ratio(bytes_packed, whole) for whole in (animation.bytes_usdc, animation.bytes_numpy))
     say(
-        f"{animation.prim}: {animation.samples} samples, {what}, {' and '.join(animation.packed)}: {bytes_packed} "
-        f"bytes; {of_usdc} of {animation.bytes_usdc} as usdc, {of_numpy} of {animation.bytes_numpy} as NumPy"
+        f"{animation.prim}: {animation.samples} samples, {what}, {attributes}: {bytes_packed} bytes; "
+        f"{of_usdc} of {animation.bytes_usdc} as usdc, {of_numpy} of {animation.bytes_numpy} as NumPy"
     )
     errors = animation.errors
     if animation.joints:

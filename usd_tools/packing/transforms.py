@@ -35,7 +35,7 @@ def ops_to_pack(clip: SkelClip, messages: Messages) -> list[XformOp]:
     found = find_xform_ops(clip.source)
     for note in found.notes:
         messages.warn(note)
-    chosen = []
+    chosen: list[XformOp] = []
     for op in found.ops:
         reason = _reason_to_keep(op, clip)
         if reason:
@@ -47,6 +47,8 @@ def ops_to_pack(clip: SkelClip, messages: Messages) -> list[XformOp]:
 
 def _reason_to_keep(op: XformOp, clip: SkelClip) -> str:
     source, codes = clip.source, op.channel.codes
+    if not clip.skeleton.n_joints:
+        return "there is no joint to measure errors on"
     if len(source.prims) > 1 or source.prim.IsInstanceProxy():
         return f"{clip.path} is shared by instances"
     if not source.rig[0].GetPath().HasPrefix(op.attribute.GetPrimPath()):
@@ -55,6 +57,8 @@ def _reason_to_keep(op: XformOp, clip: SkelClip) -> str:
         return f"it moves before or after {clip.path} does"
     if clip.placements(clip.codes) is None:
         return "it has values that are not finite"
+    if not np.linalg.det(clip.world_matrices(clip.codes[:1])[0, :3, :3]):
+        return "the character has no size where it begins"
     return ""
 
 
@@ -115,6 +119,8 @@ class Transforms:
 
     def channels(self, metres: float, markers: Markers) -> dict[str, ExtraChannel]:
         """Return what is packed, so that markers move by some metres at most, if errors add up as independent ones."""
+        if not self.columns:
+            return {}
         n_own = sum(values.shape[1] for values in self.columns.values())
         reach = self._reach(markers)
         return {

@@ -61,7 +61,7 @@ def source(tmp_path):
 @pytest.mark.parametrize("preview", [0, 4])
 def test_ops_are_packed_within_the_tolerance_and_unpacked(source, tmp_path, run, preview):
     packed, back = tmp_path / "packed.usda", tmp_path / "back.usda"
-    words = ["--tolerance", TOLERANCE, "--preview", preview]
+    words = ["--tolerance", TOLERANCE, "--preview", preview, "--effort", "fast"]
     code, text, err = run("pack", source, "-o", packed, *words)
     assert (code, err) == (0, "") and TRANSLATE in text
     assert 0.3 * TOLERANCE < largest_error(packed, source) <= TOLERANCE
@@ -87,7 +87,21 @@ def test_value_blocks_uneven_times_and_times_of_their_own_survive(tmp_path, run)
         op.GetAttr().Set(Sdf.ValueBlock() if k == 10 else Gf.Vec3d(k, 0.0, 0.0), codes[k])
     stage.GetRootLayer().Save()
     for preview in (0, 5):
-        assert run("pack", path, "-o", tmp_path / "packed.usda", "--tolerance", 0.2, "--preview", preview)[0] == 0
+        assert (
+            run(
+                "pack",
+                path,
+                "-o",
+                tmp_path / "packed.usda",
+                "--tolerance",
+                0.2,
+                "--preview",
+                preview,
+                "--effort",
+                "fast",
+            )[0]
+            == 0
+        )
         run("unpack", tmp_path / "packed.usda", "-o", back)
         found, moved = values(back, TRANSLATE)
         assert set(codes[::2]) <= set(found) <= set(codes) and read(back)[0] == codes
@@ -100,7 +114,7 @@ def test_value_blocks_uneven_times_and_times_of_their_own_survive(tmp_path, run)
 
 def test_verbs_that_leave_transforms_write_all_of_their_samples(source, tmp_path, run):
     packed, out = tmp_path / "packed.usda", tmp_path / "out.usda"
-    run("pack", source, "-o", packed, "--tolerance", TOLERANCE)
+    run("pack", source, "-o", packed, "--tolerance", TOLERANCE, "--effort", "fast")
     for words in (
         ["upsample", "--factor", 2, "--no-xforms"],
         ["downsample", "--keys", 8],
@@ -118,7 +132,7 @@ def test_verbs_that_leave_transforms_write_all_of_their_samples(source, tmp_path
 
 
 def test_samples_of_a_stronger_layer_count(source, tmp_path, run):
-    run("pack", source, "-o", tmp_path / "packed.usda", "--tolerance", TOLERANCE)
+    run("pack", source, "-o", tmp_path / "packed.usda", "--tolerance", TOLERANCE, "--effort", "fast")
     layer = Sdf.Layer.CreateNew(str(tmp_path / "stranger.usda"))
     layer.subLayerPaths = ["./packed.usda"]
     stage = Usd.Stage.Open(layer)
@@ -129,7 +143,7 @@ def test_samples_of_a_stronger_layer_count(source, tmp_path, run):
 
 
 def test_packed_characters_are_referenced_elsewhere_and_instanced(source, tmp_path, run):
-    run("pack", source, "-o", tmp_path / "packed.usda", "--tolerance", TOLERANCE)
+    run("pack", source, "-o", tmp_path / "packed.usda", "--tolerance", TOLERANCE, "--effort", "fast")
     stage = Usd.Stage.CreateNew(str(tmp_path / "crowd.usda"))
     for name in ("A", "B"):
         prim = stage.DefinePrim(f"/Crowd/{name}/Char")
@@ -152,7 +166,7 @@ def test_ops_that_cannot_be_packed_keep_their_samples_and_are_named(source, tmp_
     sheared[0, 1] = 0.5
     stage.GetAttributeAtPath(MATRIX).Set(sheared, 3.0)
     stage.GetRootLayer().Save()
-    code, _, err = run("pack", source, "-o", tmp_path / "packed.usda", "--tolerance", TOLERANCE)
+    code, _, err = run("pack", source, "-o", tmp_path / "packed.usda", "--tolerance", TOLERANCE, "--effort", "fast")
     assert code == 0
     assert f"{TRANSLATE} keeps its {N + 1} samples: it moves before or after {ANIMATION} does." in err
     assert f"{MATRIX} keeps its {N} samples: its matrices are not exactly" in err
@@ -176,3 +190,25 @@ def test_strange_names_in_a_stream_are_refused(source, tmp_path, name):
     write_packed(layer.GetPrimAtPath(ANIMATION), stream, True)
     with pytest.raises(ToolError, match=PACKED):
         clip_of(source)
+
+
+def test_a_character_that_grows_from_nothing_and_a_face_keep_their_transforms(tmp_path, run):
+    stage = make_rig(tmp_path / "in.usda", codes=CODES, rotations=random_rotations(N, 3))
+    op = UsdGeom.Xformable(stage.GetPrimAtPath("/Rig")).AddScaleOp()
+    for k in CODES:
+        op.Set(Gf.Vec3f(min(k / 5.0, 1.0)), k)
+    stage.GetRootLayer().Save()
+    code, _, err = run("pack", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--tolerance", 1, "--effort", "fast")
+    assert code == 0 and f"/Rig.xformOp:scale keeps its {N} samples: the character has no size where it begins" in err
+    stage = make_rig(tmp_path / "face.usda", codes=[0], joints=[], translations=None, scales=None)
+    prim = stage.GetPrimAtPath(ANIMATION)
+    prim.RemoveProperty("rotations")
+    prim.CreateAttribute("blendShapes", Sdf.ValueTypeNames.TokenArray).Set(["smile"])
+    weights = prim.CreateAttribute("blendShapeWeights", Sdf.ValueTypeNames.FloatArray)
+    op = UsdGeom.Xformable(stage.GetPrimAtPath("/Rig")).AddTranslateOp()
+    for k in CODES:
+        weights.Set([float(np.sin(k / 4.0))], float(k))
+        op.Set(Gf.Vec3d(k, 0.0, 0.0), k)
+    stage.GetRootLayer().Save()
+    code, _, err = run("pack", tmp_path / "face.usda", "-o", tmp_path / "out.usda", "--tolerance", 1)
+    assert code == 0 and f"{TRANSLATE} keeps its {N} samples: there is no joint to measure errors on" in err
