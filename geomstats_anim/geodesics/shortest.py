@@ -167,31 +167,32 @@ def _search(moments: Array, vector: Array, first: Shots, images: Array) -> Shots
     Geodesics from A to B are those from B to A, reversed. The same one of the two is always searched for, so that the
     distance is symmetric even where the search errs.
     """
-    largest = np.take_along_axis(vector, np.abs(vector).argmax(axis=1)[:, None], axis=1)
-    vector = np.where(largest < 0.0, -vector, vector)
-    best, is_certain = first._replace(shots=np.zeros_like(first.shots)), np.zeros(len(vector), dtype=bool)
-    turned = np.flatnonzero(largest[:, 0] < 0.0)
+    largest = vector[np.arange(len(vector)), np.abs(vector).argmax(axis=1)]
+    vector = np.where(largest[:, None] < 0.0, -vector, vector)
+    best = first._replace(shots=np.zeros_like(first.shots))
+    is_certain: np.ndarray = np.zeros(len(vector), dtype=bool)
+    turned = np.flatnonzero(largest < 0.0)
     if len(turned):
         best.replace(turned, _shoot(moments[turned], vector[turned]))
         is_certain[turned], images[turned] = _certified(best.at(turned), moments[turned])
-    index, images = np.flatnonzero(~is_certain), images[~is_certain, None]
+    index, starts = np.flatnonzero(~is_certain), images[~is_certain, None]
     for turn, n_starts in enumerate(_ROUNDS):
         if not len(index):
             break
         if n_starts:
             energy = np.minimum(best.energy[index], _bi_invariant_energy(moments[index], vector[index]))
-            images = _ahead(moments[index], vector[index], energy, turn, n_starts)
-        n_starts = images.shape[1]
+            starts = _ahead(moments[index], vector[index], energy, turn, n_starts)
+        n_starts = starts.shape[1]
         own = np.repeat(index, n_starts)
-        found = _shoot(moments[own], vector[own], images.reshape(-1, 3))
+        found = _shoot(moments[own], vector[own], starts.reshape(-1, 3))
         is_certain, images = _certified(found, moments[own])
         is_certain = is_certain.reshape(-1, n_starts)
         choice = np.where(is_certain, 0.0, found.energy.reshape(-1, n_starts)).argmin(axis=1)
         shots = found.shots.reshape(-1, n_starts).sum(axis=1)
         best.keep_better(index, found.at(choice + n_starts * np.arange(len(index)))._replace(shots=shots))
         left = ~is_certain.any(axis=1)
-        index, images = index[left], images.reshape(-1, n_starts, 3)[left]
-    backward = np.flatnonzero((largest[:, 0] < 0.0) & (best.status == CONVERGED))
+        index, starts = index[left], images.reshape(-1, n_starts, 3)[left]
+    backward = turned[best.status[turned] == CONVERGED]
     best.replace(backward, _reversed(moments[backward], vector[backward], best.momentum[backward]))
     return best
 

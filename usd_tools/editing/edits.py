@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
 from geomstats_anim import LearnedMetric
 from geomstats_anim.names import SCHEME_NAMES
 from usd_tools.console.errors import ToolError
-from usd_tools.console.text import did_you_mean
+from usd_tools.console.text import did_you_mean, short_names
 from usd_tools.upsampling.joint_styles import Style, as_style
 
 
@@ -199,6 +199,12 @@ def from_dict(document: Any) -> Edit:
         return _KINDS[document["edit"]](**values)
     except (TypeError, ValueError, AttributeError, OverflowError) as error:
         raise ToolError(f"the edit {document['edit']!r} cannot be read: {error}.") from error
+
+
+def patterns(joints: Sequence[str]) -> dict[str, str]:
+    """Return the shortest pattern that matches each of a skeleton's joints and no other, by path."""
+    names = short_names(joints)
+    return {joint: exactly(joint if "/" in names[joint] else names[joint]) for joint in joints}
 
 
 def exactly(joint: str) -> str:

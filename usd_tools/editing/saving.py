@@ -16,9 +16,8 @@ from geomstats_anim.names import BENT, LEARNED, WITH_METRIC
 from geomstats_anim.parameters import CurveParameters
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.options import OutputOptions, one_of, option
-from usd_tools.console.text import short_names
 from usd_tools.downsampling.thinning import restored, write_sparse
-from usd_tools.editing.edits import exactly
+from usd_tools.editing.edits import patterns
 from usd_tools.editing.motion import EditableMotion
 from usd_tools.editing.rebuilt import RebuiltMotion
 from usd_tools.editing.state import EditState
@@ -150,7 +149,7 @@ def _metric_words(metric: LearnedMetric) -> list[str]:
 
 def styles_of(metric: LearnedMetric) -> Sequence[Style]:
     """Spell a metric as styles of single joints; those at the scheme's defaults need none."""
-    usual, names = CurveParameters.plain(metric.scheme, 1), short_names(metric.joints)
+    usual, names = CurveParameters.plain(metric.scheme, 1), patterns(metric.joints)
     parameters, found = metric.parameters, []
     for i, joint in enumerate(metric.joints):
         settings: dict[str, tuple[Any, Any]] = {
@@ -165,6 +164,5 @@ def styles_of(metric: LearnedMetric) -> Sequence[Style]:
         if parameters.axes is not None and parameters.axes[i].any():
             changed["axes"] = tuple(np.degrees(parameters.axes[i]).tolist())
         if changed:
-            name = names[joint]
-            found.append(Style(exactly(joint if "/" in name else name), **changed))
+            found.append(Style(names[joint], **changed))
     return found

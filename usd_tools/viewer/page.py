@@ -12,7 +12,7 @@ import numpy as np
 
 from usd_tools.characters.placement import up_axis
 from usd_tools.console.errors import ToolError
-from usd_tools.editing.edits import ChooseKeys, Edit, EveryNth, FreeKey, Mirror, PinKey, Reset, UseScheme, exactly
+from usd_tools.editing.edits import ChooseKeys, Edit, EveryNth, FreeKey, Mirror, PinKey, Reset, UseScheme, patterns
 from usd_tools.editing.history import autosave_path, read_session, write_session
 from usd_tools.editing.presets import PRESETS, read_presets, write_preset
 from usd_tools.editing.saving import SaveOptions, styles_of
@@ -57,6 +57,7 @@ class LivePage:
         self.server, self.session, self._out, self._presets = server, session, out, presets
         self._inbox = Inbox()
         self._joints = session.skeleton.joints
+        self._patterns = patterns(self._joints)
         self._lines = joint_lines(self._joints, session.skeleton.depths.tolist())
         self.clock = Clock(float(session.times[0]), float(session.times[-1]))
         self.frame, self._shown_frame = 0, -1
@@ -183,13 +184,13 @@ class LivePage:
         def choose() -> None:
             joint = self.view.scene.joint_at(name, self.session.poses(name, self.frame), origin, direction)
             if joint is not None:
-                self._choose(exactly(self._joints[joint]))
+                self._choose(self._patterns[self._joints[joint]])
 
         self._inbox.post(choose, "choose")
 
     def choose_joint(self, line: str) -> None:
         """Choose a joint by its line in the list."""
-        self.choose_pattern("*" if line == EVERY else exactly(self._joints[self._lines.index(line)]))
+        self.choose_pattern("*" if line == EVERY else self._patterns[self._joints[self._lines.index(line)]])
 
     def choose_pattern(self, pattern: str) -> None:
         """Choose the joints that match a glob."""

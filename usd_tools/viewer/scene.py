@@ -86,7 +86,8 @@ class SceneView:
         camera, middle = self._server.initial_camera, 0.5 * (standing[0] + standing[1])
         side = np.array([1.0, 0.0, 0.0])
         front = np.cross(side, self._up)
-        reach = max(1.9 * self.size, 0.9 * float(np.linalg.norm(bounds[1] - bounds[0])))
+        # the camera follows, so that what travels far need not be seen as a whole
+        reach = float(np.clip(0.9 * np.linalg.norm(bounds[1] - bounds[0]), 1.9 * self.size, 2.6 * self.size))
         camera.up = self._up
         camera.look_at = middle - 0.16 * reach * self._up
         camera.position = middle + reach * (0.25 * side + 0.9 * front + 0.15 * self._up)
