@@ -16,11 +16,6 @@ def up_axis(clip: SkelClip) -> str:
     return str(UsdGeom.GetStageUpAxis(clip.source.stage)).lower()
 
 
-def up_vector(clip: SkelClip) -> np.ndarray:
-    """Return the unit vector upwards in the world, shape=[3]."""
-    return np.eye(3)["xyz".index(up_axis(clip))]
-
-
 def upright(clip: SkelClip) -> np.ndarray:
     """Rotation from a skeleton's space to a world in which z is up, shape=[3, 3], for row vectors."""
     source = clip.source

@@ -12,13 +12,15 @@ from usd_tools.console.tables import show
 from usd_tools.console.text import counted, say
 from usd_tools.skel.sizes import COMPARING
 
-_COLUMNS = ("rate", "scheme", "mean cm", "max cm", "Q_hyb", "unseen Q")
+_COLUMNS = ("rate", "scheme", "mean cm", "max cm", "Q_hyb", "unseen Q", "skate")
 _ALL_COLUMNS = (
     "rate",
     "scheme",
     "keys",
     "mean cm",
     "max cm",
+    "skate",
+    "floating cm",
     "mean deg",
     "Q_loc m2",
     "Q_rot rad",
@@ -39,6 +41,10 @@ LIBRARY = (
     "learned is out of sample: it predicts from a library of other clips; a clip of the library is scored by a library "
     "of the others alone."
 )
+SKATE = (
+    "skate is how fast points slide, in cm per second, that are planted on the ground in the original; floating is how "
+    "far they are above or below their height there."
+)
 FITTED = "fitted unseen Q: the same, with the metric that fits the first half best."
 
 
@@ -50,6 +56,8 @@ def print_summary(result: CompareResult, kind: str, verbose: bool) -> None:
     say(EXPLANATION)
     if any(row.library for row in result.rows):
         say(LIBRARY)
+    if any(row.skate_cm_per_second is not None for row in result.rows):
+        say(SKATE)
     if result.rate_distortion:
         say(COMPARING)
     if any(point.method == ACL for point in result.rate_distortion):
@@ -74,14 +82,16 @@ def _print_clip(clip: str, rows: Sequence[Row], kind: str, verbose: bool) -> Non
     """
     unseen = {(row.rate, row.scheme, row.purpose): row for row in rows if row.out_of_sample}
     whole = [row for row in rows if not row.out_of_sample]
+    unmeasured = {"skate", "floating cm"} if all(row.skate_cm_per_second is None for row in whole) else set()
+    columns = [column for column in (_ALL_COLUMNS if verbose else _COLUMNS) if column not in unmeasured]
     table = []
     for row in whole:
         predicted = unseen.get((row.rate, row.scheme, None if row.family is None else "predict"))
         fitted = unseen.get((row.rate, row.scheme, "reconstruct"))
         cells = _cells(row) | {"unseen Q": _quality(predicted, kind), "fitted unseen Q": _quality(fitted, kind)}
-        table.append([cells.get(column, "") for column in (_ALL_COLUMNS if verbose else _COLUMNS)])
+        table.append([cells.get(column, "") for column in columns])
     frames = next((f", {row.frames} samples of {counted(row.joints or 0, 'joint')}" for row in whole if row.frames), "")
-    show(f"{clip}{frames}", table, _ALL_COLUMNS if verbose else _COLUMNS)
+    show(f"{clip}{frames}", table, columns)
 
 
 def _print_sizes(clip: str, points: Sequence[RateDistortion]) -> None:
@@ -115,6 +125,8 @@ def _cells(row: Row) -> dict[str, str]:
         "keys": number(row.keys, "d"),
         "mean cm": number(row.mean_location_cm, ".3f"),
         "max cm": number(row.max_location_cm, ".2f"),
+        "skate": number(row.skate_cm_per_second, ".1f"),
+        "floating cm": number(row.floating_cm, ".2f"),
         "mean deg": number(row.mean_rotation_deg, ".3f"),
         "Q_loc m2": number(row.q_loc, ".4g"),
         "Q_rot rad": number(row.q_rot, ".4g"),

@@ -12,6 +12,7 @@ import numpy as np
 
 from geomstats_anim import Animation, LearnedMetric, MotionLibrary, quality, uniform_keyframes
 from geomstats_anim import rotations as quat
+from geomstats_anim.contacts import find_contacts, skating
 from geomstats_anim.criteria import rotation_errors
 from geomstats_anim.interpolation.learned_scheme import Help, Learned
 from geomstats_anim.interpolation.schemes import make_curve
@@ -108,6 +109,9 @@ class Row:
     library : str
         For the scheme "learned": whether the library was used "as it is", since it does not know the clip, or "without
         this clip", learned anew. Its bytes are not counted.
+    skate_cm_per_second, floating_cm : float
+        How fast points that are planted on the ground in the original slide along it, and how far they are above or
+        below their height there, on average. None where nothing is planted.
     usd : str
         File of the rebuilt clip, as seen from the folder.
     error : str
@@ -135,6 +139,8 @@ class Row:
     joints: int | None = None
     slerped_segments: int | None = None
     library: str | None = None
+    skate_cm_per_second: float | None = None
+    floating_cm: float | None = None
     usd: str | None = None
     error: str | None = None
 
@@ -259,9 +265,9 @@ def _measured(trial: Trial, take: TrainingClip, kind: str, scoring: ScoringLibra
     if scoring is not None and scoring.library is None:
         raise ValueError(scoring.error)
     library = None if scoring is None else scoring.library
-    scored = take.stretches
+    scored, placed = take.stretches, take.placed
     if trial.unseen:
-        scored = tuple(stretch.at_frames(slice(stretch.n_frames // 2, None)) for stretch in scored)
+        scored, placed = map(_second_halves, (scored, placed))
     metric, seconds_learn = None, 0.0
     if trial.purpose is not None:
         metric, seconds_learn = _learned(take, trial.rate, trial.choice, trial.unseen, kind, trial.purpose)
@@ -274,6 +280,7 @@ def _measured(trial: Trial, take: TrainingClip, kind: str, scoring: ScoringLibra
         _row(trial),
         keys=sum(map(len, rebuilt.keys)),
         **_scores(rebuilt.stretches, scored),
+        **_contact_scores(rebuilt.stretches, placed, take.up),
         bytes_numpy=bytes_numpy(keys, metric),
         bytes_usdc=bytes_usdc(keys, metric),
         seconds_learn=seconds_learn,
@@ -332,6 +339,16 @@ def _scores(rebuilt: Sequence[Animation], reference: Sequence[Animation]) -> dic
         "mean_location_cm": float(100.0 * distances.mean()),
         "max_location_cm": float(100.0 * distances.max()),
     }
+
+
+def _second_halves(stretches: Sequence[Animation]) -> tuple[Animation, ...]:
+    return tuple(stretch.at_frames(slice(stretch.n_frames // 2, None)) for stretch in stretches)
+
+
+def _contact_scores(rebuilt: Sequence[Animation], placed: Sequence[Animation], up: np.ndarray) -> dict[str, Any]:
+    """Scores of the points that are planted in the original; none where there are none."""
+    found = skating(rebuilt, placed, [find_contacts(stretch, up) for stretch in placed])
+    return {} if found is None else {"skate_cm_per_second": found.skate, "floating_cm": found.floating}
 
 
 def turning(stretches: Sequence[Animation]) -> np.ndarray:

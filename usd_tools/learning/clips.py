@@ -15,7 +15,7 @@ from usd_tools.console.text import counted, short_names
 from usd_tools.files.stages import stage_sha256
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.resampling import sampled_together
-from usd_tools.skel.vertical import vertical
+from usd_tools.skel.vertical import up_in_world, vertical
 
 MIN_SAMPLES = 4
 """Two segments, and a sample between keys to be rebuilt."""
@@ -41,6 +41,10 @@ class TrainingClip:
         All joints of the skeleton, at the samples of the rotations.
     vertical : array-like, shape=[3]
         Unit vector upwards in the space of the skeleton.
+    worlds : tuple of array-like or None
+        Of each stretch: where the skeleton stands in the world, see `Animation`.
+    up : array-like, shape=[3]
+        Unit vector upwards in the world.
     """
 
     file: str
@@ -50,6 +54,8 @@ class TrainingClip:
     joints: tuple[str, ...]
     stretches: tuple[Animation, ...]
     vertical: np.ndarray
+    worlds: tuple[np.ndarray | None, ...]
+    up: np.ndarray
 
     def __str__(self) -> str:
         """Return the label."""
@@ -59,6 +65,11 @@ class TrainingClip:
     def skeleton(self) -> Skeleton:
         """Skeleton of all stretches."""
         return self.stretches[0].skeleton
+
+    @property
+    def placed(self) -> tuple[Animation, ...]:
+        """The stretches, where they stand in the world."""
+        return tuple(replace(stretch, world=world) for stretch, world in zip(self.stretches, self.worlds, strict=True))
 
     @property
     def n_frames(self) -> int:
@@ -105,7 +116,9 @@ def training_clip(path: Path, clip: SkelClip, alone: bool = True) -> TrainingCli
         raise ToolError(f"{path}: no joint of {clip.path} turns, so there is nothing to learn.")
     label = path.name if alone else f"{path.name}, {clip.path}"
     sha256 = stage_sha256(clip.source.stage)
-    return TrainingClip(path.name, sha256, clip.path, label, clip.joints, moving, vertical(clip))
+    worlds = tuple(clip.placements(stretch.times * clip.codes_per_second) for stretch in moving)
+    up = up_in_world(clip)
+    return TrainingClip(path.name, sha256, clip.path, label, clip.joints, moving, vertical(clip), worlds, up)
 
 
 def _stretches(clip: SkelClip) -> list[Animation]:

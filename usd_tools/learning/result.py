@@ -50,6 +50,9 @@ class MetricReport:
         Segments of single joints whose geodesic was not found.
     provenance : dict
         What is stored with the metric.
+    skating : dict
+        Of "learned", "plain" (the spline) and "slerp": skate_cm_per_second and floating_cm of the points that are
+        planted on the ground in the clips (in-sample). Empty where nothing is planted.
     """
 
     metric: LearnedMetric
@@ -63,6 +66,7 @@ class MetricReport:
     joints: tuple[dict[str, Any], ...]
     slerped_segments: int
     provenance: dict[str, Any]
+    skating: dict[str, dict[str, float]]
 
     def as_dict(self) -> dict[str, Any]:
         """Return all but the metric itself, as plain values."""

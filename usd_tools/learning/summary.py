@@ -65,9 +65,19 @@ def _print_metric(report: MetricReport, verbose: bool) -> None:
         ("", "frames", "learned", "plain spline", "slerp", "gain", "verdict"),
     )
     say(report.conclusion)
+    if report.skating:
+        say(_skating(report.skating))
     if verbose:
         show("What the metric means", table_rows(joint_meanings(report.metric)), HEADER)
         say(EXPLANATION)
+
+
+def _skating(skating: dict[str, dict[str, float]]) -> str:
+    """Return how planted points skate and float, in words."""
+    names = {"learned": "learned", "plain": "plain spline", "slerp": "slerp"}
+    skates = ", ".join(f"{names[name]} {found['skate_cm_per_second']:.1f}" for name, found in skating.items())
+    floats = ", ".join(f"{found['floating_cm']:.2f}" for found in skating.values())
+    return f"Points on the ground skate, in cm per second: {skates}; they float or sink by {floats} cm."
 
 
 def _named(clips: tuple[str, ...]) -> str:
@@ -165,6 +175,10 @@ def describe(assessed: AssessedMetric) -> MetricReport:
         joints=_joints(assessed),
         slerped_segments=assessed.slerped,
         provenance=dict(metric.provenance),
+        skating={
+            name: {"skate_cm_per_second": found.skate, "floating_cm": found.floating}
+            for name, found in assessed.skating.items()
+        },
     )
 
 

@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 
 from geomstats_anim import SCHEMES, Animation, LearnedMetric, learn_metric, uniform_keyframes
+from geomstats_anim.contacts import Skating, find_contacts, skating
 from geomstats_anim.criteria import rotation_errors
 from geomstats_anim.learned_metric import Score
 from geomstats_anim.learning.assessment import assess
 from geomstats_anim.learning.tune.settings import TuneSettings
+from geomstats_anim.names import DEFAULT_SCHEME
 from geomstats_anim.parameters import CurveParameters
 from usd_tools.console.errors import ToolError
 from usd_tools.learning.clips import TrainingClip
@@ -91,6 +93,9 @@ class AssessedMetric:
         Those that turn.
     slerped : int
         Segments of single joints whose geodesic was not found, so that they are slerped.
+    skating : mapping of str to Skating
+        How points skate and float that are planted in the clips: "learned", "plain" (the spline) and "slerp". Empty
+        where nothing is planted.
     """
 
     takes: tuple[TrainingClip, ...]
@@ -98,6 +103,7 @@ class AssessedMetric:
     scores: tuple[Score, ...]
     joints: tuple[JointError, ...]
     slerped: int
+    skating: Mapping[str, Skating]
 
     @property
     def is_plain(self) -> bool:
@@ -152,7 +158,8 @@ def learn_and_assess(
         raise ToolError(" ".join(str(error).split())) from error
     joints, slerped = _by_joint(stretches, options, metric)
     provenance = _provenance(takes, options, metric, scores, joints)
-    return AssessedMetric(tuple(takes), replace(metric, provenance=provenance), scores, joints, slerped)
+    skates = _skating(takes, options, metric)
+    return AssessedMetric(tuple(takes), replace(metric, provenance=provenance), scores, joints, slerped, skates)
 
 
 def _check_rate(takes: Sequence[TrainingClip], stretches: Sequence[Animation], options: LearnOptions) -> None:
@@ -208,6 +215,28 @@ def _by_joint(
     learned, slerp = (np.degrees(np.concatenate(found).mean(axis=0)).round(4) for found in errors.values())
     joints = (JointError(*row) for row in zip(metric.joints, learned.tolist(), slerp.tolist(), strict=True))
     return tuple(joint for joint in joints if joint.slerp > 0.0), slerped
+
+
+def _skating(takes: Sequence[TrainingClip], options: LearnOptions, metric: LearnedMetric) -> dict[str, Skating]:
+    """Measure the planted points of all clips, rebuilt by the metric and by what needs none."""
+    placed = [(stretch, find_contacts(stretch, take.up)) for take in takes for stretch in take.placed]
+    placed = [(stretch, contacts) for stretch, contacts in placed if len(contacts.joints)]
+    if not placed:
+        return {}
+    schemes: dict[str, tuple[str, LearnedMetric | None]] = {
+        "learned": (metric.scheme, metric),
+        "plain": (DEFAULT_SCHEME, None),
+        "slerp": ("slerp", None),
+    }
+    originals, contacts = zip(*placed, strict=True)
+    measured = {}
+    for name, (scheme, used) in schemes.items():
+        rebuilt = [
+            SCHEMES[scheme](stretch.at_frames(keyframes_of(stretch, options)), used)(stretch.times)
+            for stretch in originals
+        ]
+        measured[name] = skating(rebuilt, originals, contacts)
+    return {name: found for name, found in measured.items() if found is not None}
 
 
 def _provenance(

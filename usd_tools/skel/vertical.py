@@ -1,4 +1,4 @@
-"""Which way is up for a skeleton."""
+"""Which way is up, for a skeleton and in the world."""
 
 from __future__ import annotations
 
@@ -8,9 +8,14 @@ from pxr import UsdGeom
 from usd_tools.skel.clip import SkelClip
 
 
+def up_in_world(clip: SkelClip) -> np.ndarray:
+    """Return the unit vector upwards in the world, shape=[3]."""
+    return np.eye(3)[1 if UsdGeom.GetStageUpAxis(clip.source.stage) == UsdGeom.Tokens.y else 2]
+
+
 def vertical(clip: SkelClip) -> np.ndarray:
     """Return the unit vector upwards in the space of a clip's skeleton where it begins, shape=[3]."""
-    up = np.eye(3)[1 if UsdGeom.GetStageUpAxis(clip.source.stage) == UsdGeom.Tokens.y else 2]
+    up = up_in_world(clip)
     if not clip.source.rig:
         return up
     in_skeleton = clip.world_matrices(clip.codes[:1])[0, :3, :3] @ up

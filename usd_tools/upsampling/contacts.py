@@ -11,11 +11,12 @@ from geomstats_anim import Animation
 from geomstats_anim import rotations as quat
 from geomstats_anim.contacts import Planted, Plants, find_contacts, plant
 from geomstats_anim.markers import joint_matrices
-from usd_tools.characters.placement import placed, up_vector
+from usd_tools.characters.placement import placed
 from usd_tools.console.errors import Messages
 from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.resampling import signs_towards
+from usd_tools.skel.vertical import up_in_world
 from usd_tools.upsampling.result import KeptContacts
 from usd_tools.upsampling.summary import UpsampledClip
 
@@ -57,7 +58,7 @@ class ClipContacts:
         self._stretches = [] if problem is not None else self._found()
 
     def _found(self) -> list[_Stretch]:
-        up, stretches = up_vector(self.clip), []
+        up, stretches = up_in_world(self.clip), []
         for span, motion in self.clip.stretches(self._names):
             keys = placed(self.clip, motion)
             plants = Plants.of(find_contacts(keys, up), keys).through_keys(keys)

@@ -113,4 +113,5 @@ def test_the_columns_of_compare(shown):
         "max cm",
         "Q_hyb",
         "unseen Q",
+        "skate",
     ]

@@ -30,6 +30,8 @@ COLUMNS = {
     "mean_rotation_deg": "mean, °",
     "mean_location_cm": "mean, cm",
     "max_location_cm": "largest, cm",
+    "skate_cm_per_second": "skate, cm/s",
+    "floating_cm": "floating, cm",
     "bytes_numpy": "bytes, NumPy",
     "bytes_usdc": "bytes, usdc",
 }
@@ -128,6 +130,10 @@ def _sizes(points: Sequence[RateDistortion]) -> list[dict[str, Any]]:
     ]
 
 
+def _figure(value: float | None) -> str:
+    return "" if value is None else str(value) if isinstance(value, int) else f"{value:.4g}"
+
+
 def _cells(row: Row) -> dict[str, Any]:
     """Make a line of a long table."""
     if not row.out_of_sample:
@@ -140,5 +146,5 @@ def _cells(row: Row) -> dict[str, Any]:
     texts = [percent(row.rate), row.scheme, sample]
     if row.error is None:
         figures = [getattr(row, name) for name in list(COLUMNS)[3:]]
-        texts += [str(value) if isinstance(value, int) else f"{value:.4g}" for value in figures]
+        texts += [_figure(value) for value in figures]
     return {"texts": texts, "error": row.error, "color": look(row.scheme).color, "unseen": row.out_of_sample}
