@@ -47,6 +47,9 @@ class LearnedMetric:
     translation_tension : array-like, shape=[B]
         The same for the joint's translation, which goes along a straight line or a cubic.
         Optional, default: as for `tension`.
+    coupling : array-like, shape=[B, 3, r]
+        What couples the joints, as in `CurveParameters`; only in Python and JSON.
+        Optional, default: None, nothing.
 
     Raises
     ------
@@ -61,6 +64,7 @@ class LearnedMetric:
     quality: str = ""
     provenance: Mapping[str, Any] = field(default_factory=dict)
     translation_tension: Array = None  # type: ignore[assignment]
+    coupling: Array | None = None
 
     def __post_init__(self) -> None:
         """Check and freeze the arrays."""
@@ -71,11 +75,12 @@ class LearnedMetric:
         if self.parameters.n_joints != len(joints):
             raise ValueError(f"There are {len(joints)} joints, but metric parameters for {self.parameters.n_joints}.")
         usual = CurveParameters.plain(self.scheme, len(joints)).tension
-        tensions = (usual if values is None else values for values in (self.tension, self.translation_tension))
-        curve = CurveParameters(self.parameters, *tensions)
+        bend, path = (usual if values is None else values for values in (self.tension, self.translation_tension))
+        curve = CurveParameters(self.parameters, bend, path, self.coupling)
         object.__setattr__(self, "joints", joints)
         object.__setattr__(self, "tension", curve.tension)
         object.__setattr__(self, "translation_tension", curve.translation_tension)
+        object.__setattr__(self, "coupling", curve.coupling)
         try:
             dump_json(dict(self.provenance))
         except ValueError as error:
@@ -92,7 +97,7 @@ class LearnedMetric:
     @property
     def curve(self) -> CurveParameters:
         """Return the parameters without the names."""
-        return CurveParameters(self.parameters, self.tension, self.translation_tension)
+        return CurveParameters(self.parameters, self.tension, self.translation_tension, self.coupling)
 
     def for_scheme(self, scheme: str) -> LearnedMetric:
         """Return the metric for another scheme, with its usual tension; schemes that are bent share their tension."""
@@ -143,6 +148,7 @@ class LearnedMetric:
             parameters=parameters,
             tension=tension,
             translation_tension=translation_tension,
+            coupling=None if self.coupling is None else pick(self.coupling, 0.0),
         )
         return matched, missing
 
@@ -162,6 +168,8 @@ class LearnedMetric:
             "quality": self.quality,
             "provenance": dict(self.provenance),
         }
+        if self.coupling is not None:
+            document["coupling"] = self.coupling.tolist()
         return dump_json(document, indent) + "\n"
 
     @classmethod
@@ -193,8 +201,10 @@ class LearnedMetric:
                 document["alpha"], document["beta"], document["axes"], tuple(document["invariance"])
             )
             names = ("joints", "tension", "scheme", "quality", "provenance")
-            rest = {name: document[name] for name in names}
-            return cls(parameters=parameters, translation_tension=document.get("translationTension"), **rest)  # type: ignore[arg-type]
+            rest: dict[str, Any] = {name: document[name] for name in names}
+            for name, key in (("translation_tension", "translationTension"), ("coupling", "coupling")):
+                rest[name] = document.get(key)
+            return cls(parameters=parameters, **rest)
         except KeyError as error:
             raise ValueError(f"This metric has no {error}.") from error
         except TypeError as error:

@@ -35,6 +35,9 @@ INVARIANCE_CHOICES = (*INVARIANCES, "clip", "joint")
 FAMILIES = ("diagonal", "spd")
 """Families of matrices to learn from, each contained in the next."""
 
+ALL_FAMILIES = (*FAMILIES, "coupled")
+"""The same with matrices over all joints, which are for Python: USD attributes hold one matrix per joint."""
+
 KINDS = ("loc", "rot", "hyb")
 """Kinds of quality."""
 

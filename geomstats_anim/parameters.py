@@ -207,7 +207,7 @@ class MetricParameters:
 
 @dataclass(frozen=True, eq=False)
 class CurveParameters:
-    """Parameters of a curve through keys: a metric, and how far the curve is bent towards a smooth one.
+    r"""Parameters of a curve through keys: a metric, and how far the curve is bent towards a smooth one.
 
     Parameters
     ----------
@@ -215,16 +215,22 @@ class CurveParameters:
     tension, translation_tension : array-like, shape=[B]
         Of the rotation and of the translation of each joint: 0 no bending, 1 continuous velocity, `MAX_TENSION`
         continuous acceleration.
+    coupling : array-like, shape=[B, 3, r]
+        Velocities of all joints that come together cheaply, the bodies' where the metric is left-invariant: V in the
+        inverse :math:`diag(Z_b^{-1}) + V V^T` of the matrix over the whole pose.
+        Optional, default: None, joints are not coupled.
 
     Raises
     ------
     ValueError
-        If there is not one tension for each joint, or it is not in [0, `MAX_TENSION`].
+        If there is not one tension for each joint, or it is not in [0, `MAX_TENSION`], or the coupling has another
+        shape or numbers that are not finite.
     """
 
     metric: MetricParameters
     tension: Array
     translation_tension: Array
+    coupling: Array | None = None
 
     def __post_init__(self) -> None:
         """Check and freeze the arrays."""
@@ -237,6 +243,18 @@ class CurveParameters:
                 raise ValueError(f"{name} of joint {bad[0]} is {values[bad[0]]}; it must be from 0 to {MAX_TENSION:g}.")
             values.setflags(write=False)
             object.__setattr__(self, name, values)
+        if self.coupling is not None:
+            coupling = np.array(self.coupling, dtype=np.float64)
+            if coupling.ndim != 3 or coupling.shape[:2] != (self.metric.n_joints, 3) or not np.isfinite(coupling).all():
+                raise ValueError(
+                    f"coupling has shape {coupling.shape}; finite numbers of shape ({self.metric.n_joints}, 3, r) are "
+                    "needed."
+                )
+            size = np.linalg.norm(coupling.reshape(-1, coupling.shape[2]), 2) ** 2 if coupling.size else 0.0
+            if size > MAX_CONDITION:
+                raise ValueError(f"coupling has the squared norm {size:.4g}, above {MAX_CONDITION:g}.")
+            coupling.setflags(write=False)
+            object.__setattr__(self, "coupling", coupling)
 
     @classmethod
     def geodesic(cls, metric: MetricParameters) -> CurveParameters:
@@ -255,5 +273,6 @@ class CurveParameters:
         return make(MetricParameters.identity(n_joints))
 
     def at(self, joints: np.ndarray) -> CurveParameters:
-        """Take some joints, by their indices, shape=[J]."""
-        return CurveParameters(self.metric.at(joints), self.tension[joints], self.translation_tension[joints])
+        """Take some joints, by their indices, shape=[J]; what they share with the others is left."""
+        coupling = None if self.coupling is None else self.coupling[joints]
+        return CurveParameters(self.metric.at(joints), self.tension[joints], self.translation_tension[joints], coupling)

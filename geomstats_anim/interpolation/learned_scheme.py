@@ -13,7 +13,7 @@ from geomstats_anim.geodesics.exponential import Rates, bent_rates
 from geomstats_anim.interpolation.curves import Metric, locate, through_keys
 from geomstats_anim.interpolation.metric_schemes import GeodesicSpline
 from geomstats_anim.interpolation.residuals import Residual
-from geomstats_anim.interpolation.splines import PoseSpline
+from geomstats_anim.interpolation.splines import CoupledSpline, PoseSpline
 from geomstats_anim.parameters import CurveParameters
 from geomstats_anim.rotations import Array
 
@@ -91,7 +91,9 @@ class Learned(GeodesicSpline):
         self.help = library if isinstance(library, Help) else Help(None)
         super().__init__(animation, metric)
 
-    def _take(self, spline: PoseSpline) -> None:
+    def _take(self, spline: PoseSpline | CoupledSpline) -> None:
+        if self._library is not None and isinstance(spline, CoupledSpline):
+            raise ValueError("A library helps metrics that do not couple joints; leave one of both out.")
         super()._take(spline)
         # while a value is dragged, the residual stays
         if self._library is not None and not isinstance(self._library, Help) and not spline.is_quick.any():

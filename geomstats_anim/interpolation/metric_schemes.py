@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from copy import copy
+from dataclasses import replace
 from functools import cached_property
 from typing import Self
 
@@ -14,7 +15,7 @@ from geomstats_anim.geodesics.exponential import Rates
 from geomstats_anim.geodesics.pose_geodesics import LogStatus
 from geomstats_anim.geodesics.shortest import Effort
 from geomstats_anim.interpolation.curves import Curve, Fallback, Metric, locate, through_keys
-from geomstats_anim.interpolation.splines import PathSpline, PoseSpline
+from geomstats_anim.interpolation.splines import CoupledSpline, PathSpline, PoseSpline
 from geomstats_anim.learned_metric import LearnedMetric
 from geomstats_anim.parameters import CurveParameters, MetricParameters
 from geomstats_anim.rotations import Array
@@ -31,10 +32,13 @@ class Geodesic(Curve):
         super().__init__(animation, metric)
 
     def _prepare(self, metric: Metric | None) -> None:
-        keys = self.animation
-        self._take(PoseSpline(keys.times, keys.rotations, self._curve.metric, self._tension))
+        keys, curve = self.animation, self._curve
+        if curve.coupling is not None:
+            self._take(CoupledSpline(keys.times, keys.rotations, replace(curve, tension=self._tension)))
+        else:
+            self._take(PoseSpline(keys.times, keys.rotations, curve.metric, self._tension))
 
-    def _take(self, spline: PoseSpline) -> None:
+    def _take(self, spline: PoseSpline | CoupledSpline) -> None:
         self._spline, self.geodesics = spline, spline.geodesics
         keys, status = self.animation, spline.geodesics.status
         times, joints = keys.times, keys.skeleton.joints
@@ -63,15 +67,23 @@ class Geodesic(Curve):
         other = copy(self)
         other.__dict__.pop("_path", None)
         other._curve = curve_parameters(metric, self.animation)
-        if self.animation.n_frames > 1:
-            other._take(self._spline.with_curve(self.animation.rotations, other._curve.metric, other._tension, effort))
+        if self.animation.n_frames < 2:
+            return other
+        spline = self._spline
+        if isinstance(spline, CoupledSpline) or other._curve.coupling is not None:
+            other._prepare(metric)  # joints that are coupled are solved together
+        else:
+            other._take(spline.with_curve(self.animation.rotations, other._curve.metric, other._tension, effort))
         return other
 
     def differs(self, other: Self) -> tuple[np.ndarray, np.ndarray]:
         """Return which joints turn, and which move, otherwise on another curve through the same keys, shape=[B]."""
         mine, others = self._curve, other._curve
         turns = mine.metric.differs(others.metric) | (self._tension != other._tension)
-        if self.animation.n_frames > 1:
+        if mine.coupling is not None or others.coupling is not None:
+            turns |= True
+        elif self.animation.n_frames > 1:
+            assert isinstance(self._spline, PoseSpline) and isinstance(other._spline, PoseSpline)
             turns |= self._spline.is_quick | other._spline.is_quick
         return turns, self._translation_tension != other._translation_tension
 
@@ -81,6 +93,8 @@ class Geodesic(Curve):
         segment, fraction = locate(self.animation.times, times)
         if len(keys) == 1:
             return keys[segment]
+        if isinstance(self._spline, CoupledSpline):
+            return through_keys(self._spline(segment, fraction)[:, joints], keys, segment, fraction)
         return through_keys(self._spline.at_joints(joints)(segment, fraction), keys, segment, fraction)
 
     def translations(self, times: Array, joints: np.ndarray) -> Array:

@@ -9,21 +9,116 @@ from __future__ import annotations
 
 from copy import copy
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from geomstats_anim import rotations as quat
-from geomstats_anim.geodesics.end_velocities import EndVelocities
+from geomstats_anim.geodesics.coupled_geodesics import CoupledGeodesics
 from geomstats_anim.geodesics.exponential import Rates, bent_rates
 from geomstats_anim.geodesics.pose_geodesics import PoseGeodesics
 from geomstats_anim.geodesics.shortest import Effort
 from geomstats_anim.interpolation.tangents import KeyVelocities, hermite
 from geomstats_anim.kernels import bending
-from geomstats_anim.parameters import MetricParameters
+from geomstats_anim.parameters import CurveParameters, MetricParameters
 from geomstats_anim.rotations import Array
 
 
-class PoseSpline:
+class _BentGeodesics:
+    """Geodesics between key poses, and how they are bent."""
+
+    geodesics: Any
+    _durations: Array
+    _tension: Array
+
+    @cached_property
+    def _ends(self) -> Any:
+        return self.geodesics.end_velocities
+
+    @cached_property
+    def _velocities(self) -> KeyVelocities | None:
+        if not self._tension.any():
+            return None
+        per_second, ends = 1.0 / self._durations[:, None, None], self._ends
+        return KeyVelocities(
+            self._durations,
+            ends.start * per_second,
+            ends.end * per_second,
+            self._tension,
+            (ends.start_acceleration * per_second**2, ends.end_acceleration * per_second**2),
+        )
+
+    def __call__(self, index: np.ndarray, parameter: Array) -> Array:
+        """Evaluate poses.
+
+        Parameters
+        ----------
+        index : array-like of int, shape=[F]
+            Segment; must not decrease.
+        parameter : array-like, shape=[F]
+            Share of its duration, in [0, 1]; must not decrease within one segment.
+
+        Returns
+        -------
+        rotations : array-like, shape=[F, B, 4]
+            Unit quaternions.
+        """
+        turned = self.geodesics.turns(index, parameter)
+        if self._velocities is not None:
+            bending.bend(turned, index, np.array(parameter), *self._velocities.bends)
+        return np.asarray(self.geodesics.poses(index, turned))
+
+    def rates(self, index: np.ndarray, parameter: Array) -> Rates:
+        """Return body angular velocities, radians per second, and accelerations, at shares of segments."""
+        turned = self.geodesics.turns(index, parameter)
+        rates = Rates(*self.geodesics.turn_rates(index, turned))
+        if self._velocities is not None:
+            start, end = (bend[index] for bend in self._velocities.bends)
+            weights = (hermite(parameter[:, None, None], order) for order in range(3))
+            rates = bent_rates(rates, *(first * start + second * end for first, second in weights))
+            bending.bend(turned, index, np.array(parameter), *self._velocities.bends)
+        poses, per_second = self.geodesics.poses(index, turned), 1.0 / self._durations[index, None, None]
+        velocity, acceleration = (self.geodesics.pose_rates(poses, rate) for rate in rates)
+        return Rates(velocity * per_second, acceleration * per_second**2)
+
+    def pull_back(self, index: np.ndarray, parameter: Array, rotations: Array, cotangent: Array) -> tuple[Array, Array]:
+        """Pull the derivative of a scalar by poses back to one by the metric and the tension, the keys fixed.
+
+        Parameters
+        ----------
+        index, parameter : array-like, shape=[F]
+            As in a call.
+        rotations : array-like, shape=[F, B, 4]
+            What the call returned.
+        cotangent : array-like, shape=[F, B, 3]
+            Derivative of the scalar by the body variation of the rotations.
+
+        Returns
+        -------
+        metric : array-like, shape=[B, 5] or shape=[B, 5 + 3 r]
+            By log alpha, log beta, a rotation vector that turns the axes from the left, and the coupling if there is
+            one.
+        tension : array-like, shape=[B]
+        """
+        inward = self.geodesics.pull_back_poses(rotations, cotangent)
+        n_segments, n_joints = len(self._durations), inward.shape[1]
+        if self._velocities is None:
+            return self.geodesics.pull_back_turns(index, parameter, inward), np.zeros(n_joints)
+        by_start, by_end, by_axes = (np.zeros((n_segments, n_joints, 3)) for _ in range(3))
+        bending.unbend(index, np.array(parameter), *self._velocities.bends, inward, by_start, by_end, by_axes)
+        start, end, *accelerations, by_tension = self._velocities.pull_back((by_start, by_end))
+        per_second = 1.0 / self._durations[:, None, None]
+        partial = self._ends.pull_back(
+            start * per_second, end * per_second, *(by * per_second**2 for by in accelerations)
+        )
+        return self.geodesics.pull_back_turns(index, parameter, inward, self._with_axes(partial, by_axes)), by_tension
+
+    def _with_axes(self, partial: Any, by_axes: Array) -> Any:
+        """Add the derivative by a turn of the axes that bends are seen along."""
+        return partial
+
+
+class PoseSpline(_BentGeodesics):
     """A curve on SO(3)^B through key poses.
 
     Parameters
@@ -94,87 +189,43 @@ class PoseSpline:
             other.__dict__.pop(name, None)
         return other
 
-    @cached_property
-    def _ends(self) -> EndVelocities:
-        return self.geodesics.end_velocities
-
-    @cached_property
-    def _velocities(self) -> KeyVelocities | None:
-        if not self._tension.any():
-            return None
-        per_second, ends = 1.0 / self._durations[:, None, None], self._ends
-        return KeyVelocities(
-            self._durations,
-            ends.start * per_second,
-            ends.end * per_second,
-            self._tension,
-            (ends.start_acceleration * per_second**2, ends.end_acceleration * per_second**2),
-        )
-
-    def __call__(self, index: np.ndarray, parameter: Array) -> Array:
-        """Evaluate poses.
-
-        Parameters
-        ----------
-        index : array-like of int, shape=[F]
-            Segment; must not decrease.
-        parameter : array-like, shape=[F]
-            Share of its duration, in [0, 1]; must not decrease within one segment.
-
-        Returns
-        -------
-        rotations : array-like, shape=[F, B, 4]
-            Unit quaternions.
-        """
-        turned = self.geodesics.turns(index, parameter)
-        if self._velocities is not None:
-            bending.bend(turned, index, np.array(parameter), *self._velocities.bends)
-        return self.geodesics.poses(index, turned)
-
-    def rates(self, index: np.ndarray, parameter: Array) -> Rates:
-        """Return body angular velocities, radians per second, and accelerations, at shares of segments."""
-        turned = self.geodesics.turns(index, parameter)
-        rates = Rates(*self.geodesics.turn_rates(index, turned))
-        if self._velocities is not None:
-            start, end = (bend[index] for bend in self._velocities.bends)
-            weights = (hermite(parameter[:, None, None], order) for order in range(3))
-            rates = bent_rates(rates, *(first * start + second * end for first, second in weights))
-            bending.bend(turned, index, np.array(parameter), *self._velocities.bends)
-        poses, per_second = self.geodesics.poses(index, turned), 1.0 / self._durations[index, None, None]
-        velocity, acceleration = (self.geodesics.pose_rates(poses, rate) for rate in rates)
-        return Rates(velocity * per_second, acceleration * per_second**2)
-
-    def pull_back(self, index: np.ndarray, parameter: Array, rotations: Array, cotangent: Array) -> tuple[Array, Array]:
-        """Pull the derivative of a scalar by poses back to one by the metric and the tension, the keys fixed.
-
-        Parameters
-        ----------
-        index, parameter : array-like, shape=[F]
-            As in a call.
-        rotations : array-like, shape=[F, B, 4]
-            What the call returned.
-        cotangent : array-like, shape=[F, B, 3]
-            Derivative of the scalar by the body variation of the rotations.
-
-        Returns
-        -------
-        metric : array-like, shape=[B, 5]
-            By log alpha, log beta, and a rotation vector that turns the axes from the left.
-        tension : array-like, shape=[B]
-        """
-        inward = self.geodesics.pull_back_poses(rotations, cotangent)
-        n_segments, n_joints = len(self._durations), inward.shape[1]
-        if self._velocities is None:
-            return self.geodesics.pull_back_turns(index, parameter, inward), np.zeros(n_joints)
-        by_start, by_end, by_axes = (np.zeros((n_segments, n_joints, 3)) for _ in range(3))
-        bending.unbend(index, np.array(parameter), *self._velocities.bends, inward, by_start, by_end, by_axes)
-        start, end, *accelerations, by_tension = self._velocities.pull_back((by_start, by_end))
-        per_second = 1.0 / self._durations[:, None, None]
-        partial = self._ends.pull_back(
-            start * per_second, end * per_second, *(by * per_second**2 for by in accelerations)
-        )
+    def _with_axes(self, partial: Array, by_axes: Array) -> Array:
         partial[..., 5:] += by_axes
-        return self.geodesics.pull_back_turns(index, parameter, inward, partial), by_tension
+        return partial
+
+
+class CoupledSpline(_BentGeodesics):
+    """A curve on SO(3)^B through key poses, with a metric that couples joints; bends are seen in the joints' frames.
+
+    Where nothing is coupled, it is the `PoseSpline`.
+
+    Parameters
+    ----------
+    times : array-like, shape=[K]
+        Seconds, increasing.
+    keys : array-like, shape=[K, B, 4]
+        Unit quaternions.
+    curve : CurveParameters
+        With a coupling.
+    near : array-like, shape=[K - 1, B, 3]
+        Velocities of geodesics of a similar metric; not a number where none is known.
+        Optional, default: None.
+    effort : str
+        "thorough", or "quick", for learning: see `coupled.shoot`.
+        Optional, default: "thorough".
+    """
+
+    def __init__(
+        self,
+        times: Array,
+        keys: Array,
+        curve: CurveParameters,
+        near: Array | None = None,
+        effort: Effort = "thorough",
+    ) -> None:
+        assert curve.coupling is not None
+        self._durations, self._tension = np.diff(times), curve.tension
+        self.geodesics = CoupledGeodesics(keys[:-1], keys[1:], curve.metric, curve.coupling, near, effort)
 
 
 class PathSpline:

@@ -35,7 +35,7 @@ _HELPS = 1.0 - 1e-6
 
 _MOMENTS, _AXES, TENSIONS = [0, 1], [2, 3, 4], [5, 6]
 _TENSION, _TRANSLATION_TENSION = TENSIONS
-_BOUNDS = [(-BOUND, BOUND)] * 2 + [(-np.pi, np.pi)] * 3 + [(0.0, MAX_TENSION)] * 2
+BOUNDS = [(-BOUND, BOUND)] * 2 + [(-np.pi, np.pi)] * 3 + [(0.0, MAX_TENSION)] * 2
 """Of the columns of a point."""
 
 _TILTED_MOMENTS = 2.0
@@ -69,7 +69,7 @@ class Search:
         tally: Tally,
     ) -> None:
         self.objective, self.n_joints, self._tally = objective, n_joints, tally
-        self._free, self._sides, self._one_side = _free_columns(family, scheme), sides, one_side
+        self._free, self._sides, self._one_side = free_columns(family, scheme), sides, one_side
         self.best_value = np.inf
         self.best_point: Array = np.zeros((n_joints, 7))
         self.best_sides: tuple[str, ...] = (sides[0],) * n_joints
@@ -159,9 +159,9 @@ class Search:
             curve = self.curve(current, [sides[joint] for joint in joints])
             errors, gradient = self.objective.rotation_errors_and_gradient(curve, joints)
             self._tally.count()
-            return errors, _by_coordinates(gradient, current)[:, free]
+            return errors, by_coordinates(gradient, current)[:, free]
 
-        lower, upper = np.transpose([_BOUNDS[column] for column in free])
+        lower, upper = np.transpose([BOUNDS[column] for column in free])
         tolerance = _REFINED * np.maximum(self._base_errors, _NEGLIGIBLE * self._base_errors.max(initial=1e-12))
         values, _, curvature = batched_bfgs(evaluate, point[:, free], lower, upper, tolerance, rounds)
         self.scale[:, free] = np.sqrt(curvature + _FLAT * curvature.max(initial=1e-12))
@@ -185,9 +185,9 @@ class Search:
             value, gradient = self.objective.value_and_gradient(self.curve(current, sides))
             self._tally.count(value)
             # in units of the start's value, so that tolerances mean the same for metres and radians
-            return value / unit, (_by_coordinates(gradient, current)[:, self._free] / scale).ravel() / unit
+            return value / unit, (by_coordinates(gradient, current)[:, self._free] / scale).ravel() / unit
 
-        bounds = np.transpose([_BOUNDS[column] for column in self._free])
+        bounds = np.transpose([BOUNDS[column] for column in self._free])
         options: Any = {"maxcor": 20, "gtol": 1e-7, "maxls": 4, **stop}
         result = minimize(
             evaluate,
@@ -246,12 +246,13 @@ class Search:
         return errors
 
 
-def _by_coordinates(gradient: Array, point: Array) -> Array:
+def by_coordinates(gradient: Array, point: Array) -> Array:
     """Derive by the axes' rotation vector instead of by a turn from the left."""
     by_vector = np.einsum("bij,bi->bj", left_jacobian(point[:, _AXES]), gradient[:, _AXES])
     return np.concatenate([gradient[:, _MOMENTS], by_vector, gradient[:, TENSIONS]], axis=1)
 
 
-def _free_columns(family: str, scheme: str) -> list[int]:
+def free_columns(family: str, scheme: str) -> list[int]:
+    """Return the columns of a point that a family and a scheme leave free."""
     axes = _AXES if family == "spd" else []
     return [*_MOMENTS, *axes, *(TENSIONS if scheme == "geodesic-spline" else [])]

@@ -11,11 +11,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from geomstats_anim.learning.descent import ROUGHLY, Search, Tally
+from geomstats_anim.learning.coupled import search_coupled
+from geomstats_anim.learning.descent import ROUGHLY, Search, Tally, free_columns
 from geomstats_anim.learning.families import Families
 from geomstats_anim.learning.learnable import Found, Learnable
 from geomstats_anim.learning.settings import check_words
-from geomstats_anim.names import INVARIANCES
+from geomstats_anim.names import ALL_FAMILIES, INVARIANCES
 
 _GRID = np.linspace(-1.5, 1.5, 3)
 """Of log alpha and log beta, for a rough search."""
@@ -40,7 +41,7 @@ def search_gradient(
     objective : Learnable
     n_joints : int
     family : str
-        "diagonal", or "spd": any symmetric positive definite matrix.
+        "diagonal", "spd": any symmetric positive definite matrix, or "coupled": one over all joints.
         Optional, default: "diagonal".
     invariance : str
         "left", "right", "clip" (the better one for all joints) or "joint" (one per joint).
@@ -59,10 +60,14 @@ def search_gradient(
     -------
     found : Found
         Never worse than the bi-invariant metric, with the usual tension and without; nor, unless rough, than what is
-        found for a family, scheme or choice of sides that this one contains.
+        found for a family, scheme or choice of sides that this one contains. A coupled metric is never worse than what
+        the family "spd" finds with the same scheme and sides, which are its sides.
     """
-    check_words(family, invariance)
+    check_words(family, invariance, ALL_FAMILIES)
     tally = Tally(progress)
+    if family == "coupled":
+        contained = Families(objective, n_joints, tally).best(scheme, "spd", invariance)
+        return search_coupled(objective, contained, free_columns("spd", scheme), tally, rough)
     if rough:
         return _search_roughly(objective, n_joints, family, invariance, scheme, tally)
     best = Families(objective, n_joints, tally).best(scheme, family, invariance)

@@ -56,7 +56,8 @@ def learn_metric(
         cross-validation says, for frames nobody has seen.
         Optional, default: "reconstruct".
     family : str
-        "diagonal", or "spd" for any symmetric positive definite matrix.
+        "diagonal", or "spd" for any symmetric positive definite matrix; or "coupled" for one over all joints, of low
+        rank beside those of "spd", which takes about a minute and can only reconstruct.
         Optional, default: "diagonal".
     invariance : str
         "left", "right", "clip" (one for all joints) or "joint" (one per joint).
@@ -95,7 +96,8 @@ def learn_metric(
     Raises
     ------
     ValueError
-        If a word is unknown, the joints differ, there is only one segment to predict from, or nothing moves.
+        If a word is unknown or does not fit the others, the joints differ, there is only one segment to predict from,
+        or nothing moves.
 
     Examples
     --------
@@ -118,7 +120,13 @@ def learn_metric(
     found = fit(training, settings, progress, fitted)
     curve = found.curve
     metric = LearnedMetric(
-        training.joints, curve.metric, curve.tension, scheme, kind, translation_tension=curve.translation_tension
+        training.joints,
+        curve.metric,
+        curve.tension,
+        scheme,
+        kind,
+        translation_tension=curve.translation_tension,
+        coupling=curve.coupling,
     )
     return replace(metric, provenance=_provenance(metric, training, settings, found))
 

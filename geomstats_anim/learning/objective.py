@@ -14,7 +14,7 @@ from geomstats_anim.animation import Animation, Skeleton
 from geomstats_anim.criteria import joint_weights, kind_shares
 from geomstats_anim.geodesics.shortest import Effort
 from geomstats_anim.interpolation.curves import locate
-from geomstats_anim.interpolation.splines import PathSpline, PoseSpline
+from geomstats_anim.interpolation.splines import CoupledSpline, PathSpline, PoseSpline
 from geomstats_anim.kinematics import place, pull_back_ends, world_pose
 from geomstats_anim.learning.rotation_cache import RotationMemory
 from geomstats_anim.parameters import CurveParameters
@@ -155,8 +155,9 @@ class Objective:
         Returns
         -------
         value : float
-        gradient : array-like, shape=[B, 7]
-            By log alpha, log beta, a rotation vector that turns the axes from the left, and both tensions.
+        gradient : array-like, shape=[B, 7] or shape=[B, 7 + 3 r]
+            By log alpha, log beta, a rotation vector that turns the axes from the left, the coupling if the curve has
+            one, and both tensions.
         """
         spline = self._spline(curve, "quick")
         rotations = spline(self._segment, self._fraction)
@@ -179,16 +180,24 @@ class Objective:
 
     def _rotations(self, curve: CurveParameters) -> Array:
         """Return the rotations of a thoroughly searched curve, shape=[F, B, 4]; not to be written to."""
+        if curve.coupling is not None:
+            return self._rebuilt(curve)
         return self._memory.recall(curve, self._rebuilt)
 
     def _rebuilt(self, curve: CurveParameters, joints: np.ndarray | None = None) -> Array:
         return self._spline(curve, "thorough", joints)(self._segment, self._fraction)
 
-    def _spline(self, curve: CurveParameters, effort: Effort, joints: np.ndarray | None = None) -> PoseSpline:
+    def _spline(
+        self, curve: CurveParameters, effort: Effort, joints: np.ndarray | None = None
+    ) -> PoseSpline | CoupledSpline:
         keys, sides = self._keys, curve.metric.is_right.astype(np.intp)
         joints = np.arange(keys.n_joints) if joints is None else joints
         near = self._velocities[sides, joints].swapaxes(0, 1) if effort == "quick" else None
-        spline = PoseSpline(keys.times, keys.rotations[:, joints], curve.metric, curve.tension, near, effort)
+        spline: PoseSpline | CoupledSpline
+        if curve.coupling is not None:
+            spline = CoupledSpline(keys.times, keys.rotations[:, joints], curve, near, effort)
+        else:
+            spline = PoseSpline(keys.times, keys.rotations[:, joints], curve.metric, curve.tension, near, effort)
         self._velocities[sides, joints] = spline.geodesics.velocity.swapaxes(0, 1)
         return spline
 

@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
-from geomstats_anim.names import DEFAULT_SCHEME, FAMILIES, INVARIANCE_CHOICES, LEARNABLE, PURPOSES, SEARCHES
+from geomstats_anim.names import (
+    ALL_FAMILIES,
+    DEFAULT_SCHEME,
+    FAMILIES,
+    INVARIANCE_CHOICES,
+    LEARNABLE,
+    PURPOSES,
+    SEARCHES,
+)
 
 if TYPE_CHECKING:
     from geomstats_anim.learning.tune.settings import TuneSettings
@@ -29,7 +38,7 @@ class LearnSettings:
     Raises
     ------
     ValueError
-        If a word is unknown.
+        If a word is unknown, or the family has no such search or purpose.
     """
 
     search: str = "gradient"
@@ -50,17 +59,21 @@ class LearnSettings:
             word = getattr(self, name)
             if word not in words:
                 raise ValueError(f"There is no {name} {word!r}; the choices are {', '.join(words)}.")
-        check_words(self.family, self.invariance)
+        check_words(self.family, self.invariance, ALL_FAMILIES)
+        if self.family == "coupled" and (self.search, self.purpose) != (SEARCHES[0], PURPOSES[0]):
+            raise ValueError(
+                f'The family "coupled" is learned with the search "{SEARCHES[0]}" and the purpose "{PURPOSES[0]}" only.'
+            )
 
 
-def check_words(family: str, invariance: str) -> None:
+def check_words(family: str, invariance: str, families: Sequence[str] = FAMILIES) -> None:
     """Refuse an unknown family or invariance.
 
     Raises
     ------
     ValueError
     """
-    if family not in FAMILIES:
-        raise ValueError(f"There is no family {family!r}; the families are {', '.join(FAMILIES)}.")
+    if family not in families:
+        raise ValueError(f"There is no family {family!r}; the families are {', '.join(families)}.")
     if invariance not in INVARIANCE_CHOICES:
         raise ValueError(f"There is no invariance {invariance!r}; the choices are {', '.join(INVARIANCE_CHOICES)}.")

@@ -168,11 +168,21 @@ def _side(left: bool) -> tuple[str]:
     return ("left" if left else "right",)
 
 
+def _cometric_of(matrix: Array) -> Array:
+    """Invert a matrix group by group of joints that are coupled, so that zeros between groups stay exact."""
+    cometric = np.zeros_like(matrix)
+    for joints in coupled.components(matrix):
+        rows = (3 * joints[:, None] + np.arange(3)).ravel()
+        cometric[np.ix_(rows, rows)] = np.linalg.inv(matrix[np.ix_(rows, rows)])
+    return 0.5 * (cometric + cometric.T)
+
+
 class _Paths:
     """Geodesics of a batch, from base points with velocities in the frame where the metric is constant."""
 
     def __init__(self, arrays: PoseMatrices, matrix: Array, left: bool) -> None:
         self._arrays, self._matrix, self._left = arrays, matrix, left
+        self._cometric = _cometric_of(matrix)
 
     def follow(self, base: Array, velocity: Array, times: Array) -> Array:
         """Return poses, shape=[n, T, B, 4]."""
@@ -182,7 +192,7 @@ class _Paths:
         turns = np.empty((*velocity.shape[:1], len(times), *velocity.shape[1:-1], 4))
         for sign, column in ((1.0, times >= 0.0), (-1.0, times < 0.0)):
             order = np.flatnonzero(column)[np.argsort(np.abs(times[column]), kind="stable")]
-            turns[:, order] = coupled.flow(self._matrix, sign * momentum, np.abs(times[order]))
+            turns[:, order] = coupled.flow(self._cometric, sign * momentum, np.abs(times[order]))
         if self._left:
             return quat.multiply(np.broadcast_to(base[:, None], turns.shape), turns)
         return quat.multiply(quat.conjugate(turns), np.broadcast_to(base[:, None], turns.shape))
@@ -230,21 +240,22 @@ class _CoupledLogSolver(LogSolver):
     def __init__(self, arrays: PoseMatrices, matrix: Array, left: bool) -> None:
         super().__init__(solves_bvp=True)
         self._arrays, self._matrix, self._left = arrays, matrix, left
+        self._cometric = _cometric_of(matrix)
         self._paths = _Paths(arrays, matrix, left)
 
     def solve(self, point: Any, base_point: Any = None) -> LogResult:
         """Find logarithms, and return how each search ended; arrays besides the vectors have shape [...]."""
         base, shots, velocity, batch = self._join(point, base_point, "point", "base_point")
-        status = np.array([shot.status for shot in shots], dtype=np.intp)
+        status = shots.status.max(axis=-1)
         squares = 2.0 * np.einsum(
             "ni,ij,nj->n", velocity.reshape(len(base), -1), self._matrix, velocity.reshape(len(base), -1)
         )
         found = status == CONVERGED
         values = (
             status,
-            np.array([shot.residual for shot in shots]),
+            shots.residual.max(axis=-1),
             np.where(found, np.sqrt(squares), np.inf),
-            np.array([shot.shots for shot in shots], dtype=np.intp),
+            shots.shots.max(axis=-1),
         )
         vectors = self._arrays.write_tangent_vecs(np.where(found[:, None, None], velocity, 0.0), base, batch)
         return LogResult(vectors, *(self._arrays.write(value, batch) for value in values))
@@ -252,18 +263,18 @@ class _CoupledLogSolver(LogSolver):
     def log(self, point: Any, base_point: Any = None) -> Any:
         """Return logarithms, or raise."""
         base, shots, velocity, batch = self._join(point, base_point, "point", "base_point")
-        raise_failures(np.array([shot.status for shot in shots], dtype=np.intp), batch)
+        raise_failures(shots.status.max(axis=-1), batch)
         return self._arrays.write_tangent_vecs(velocity, base, batch)
 
     def geodesic_bvp(self, point: Any, base_point: Any) -> Callable[[Any], Any]:
         """Return the function of time of geodesics that join points, or raise."""
         base, shots, velocity, batch = self._join(point, base_point, "end_point", "initial_point")
-        raise_failures(np.array([shot.status for shot in shots], dtype=np.intp), batch)
+        raise_failures(shots.status.max(axis=-1), batch)
         return self._paths.path(base, velocity, batch)
 
     def _join(
         self, point: Any, base_point: Any, point_name: str, base_name: str
-    ) -> tuple[Array, list[coupled.Shot], Array, tuple[int, ...]]:
+    ) -> tuple[Array, coupled.Shots, Array, tuple[int, ...]]:
         base = self._arrays.read_points(base_point, base_name)
         end = self._arrays.read_points(point, point_name)
         batch = np.broadcast_shapes(base.shape, end.shape)[:-2]
@@ -272,7 +283,6 @@ class _CoupledLogSolver(LogSolver):
             targets = quat.multiply(quat.conjugate(base), end)
         else:
             targets = quat.multiply(base, quat.conjugate(end))
-        shots = [coupled.join(self._matrix, target) for target in targets]
-        momentum = np.array([shot.momentum for shot in shots]).reshape(len(base), -1)
-        velocity = np.linalg.solve(self._matrix, momentum.T).T.reshape(*base.shape[:-1], 3)
+        shots = coupled.shoot(self._cometric, targets)
+        velocity = (shots.momentum.reshape(len(base), -1) @ self._cometric).reshape(*base.shape[:-1], 3)
         return base, shots, velocity if self._left else -velocity, batch

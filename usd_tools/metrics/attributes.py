@@ -53,8 +53,12 @@ def write_metric(spec: Sdf.PrimSpec, metric: LearnedMetric, hide_axes: bool = Fa
         Whether a weaker layer has axes, which must not show through a diagonal metric.
         Optional, default: False.
 
+    Raises
+    ------
+    ToolError
+        If the metric couples joints.
     """
-    parameters = metric.parameters
+    parameters = uncoupled(metric, str(spec.path)).parameters
     values = {
         "joints": Vt.TokenArray(metric.joints),
         "alpha": Vt.DoubleArray.FromNumpy(parameters.alpha),
@@ -75,6 +79,18 @@ def write_metric(spec: Sdf.PrimSpec, metric: LearnedMetric, hide_axes: bool = Fa
     # One string: USD merges the dictionaries of layers, and entries of an older metric would show through.
     entries = {"quality": metric.quality, _PROVENANCE: dump_json(dict(metric.provenance))}
     spec.customData = {**dict(spec.customData), NAMESPACE: entries}
+
+
+def uncoupled(metric: LearnedMetric, where: str) -> LearnedMetric:
+    """Return a metric, unless it couples joints, which the attributes cannot hold.
+
+    Raises
+    ------
+    ToolError
+    """
+    if metric.coupling is not None:
+        raise ToolError(f"{where}: the metric couples joints, which only Python can use; learn the family spd instead.")
+    return metric
 
 
 def summary(metric: LearnedMetric) -> str:

@@ -15,6 +15,7 @@ from usd_tools.console.progress import ProgressCallback
 from usd_tools.console.text import did_you_mean, short_names
 from usd_tools.files.paths import EXTENSIONS, extension
 from usd_tools.files.stages import open_stage
+from usd_tools.metrics.attributes import uncoupled
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.find import find_animations
 from usd_tools.skel.stored_metric import stored_metric
@@ -237,7 +238,7 @@ def _read_file(path: Path) -> LearnedMetric:
     if extension(path) in EXTENSIONS:
         return _read_usd(path)
     try:
-        return LearnedMetric.from_json(read_text(path))
+        return uncoupled(LearnedMetric.from_json(read_text(path)), f"--metric {path}")
     except FileNotFoundError as error:
         raise ToolError(
             f"--metric {path}: there is no such file; use stored, identity, learn, a JSON file or a USD file."

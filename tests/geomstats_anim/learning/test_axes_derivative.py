@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import wanderings
 
-from geomstats_anim.learning.descent import Search, _by_coordinates
+from geomstats_anim.learning.descent import Search, by_coordinates
 from geomstats_anim.learning.objective import Objective
 
 SIDES = ("left", "right") * (wanderings.N_JOINTS // 2)
@@ -20,7 +20,7 @@ def test_it_is_that_of_finite_differences(size):
         axis=1,
     )  # fmt: skip
     _, gradient = objective.value_and_gradient(Search.curve(point, SIDES))
-    found = _by_coordinates(gradient, point)
+    found = by_coordinates(gradient, point)
     expected = np.empty_like(point)
     step = 1e-5
     for place in np.ndindex(*point.shape):

@@ -4,6 +4,7 @@ import json
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from pxr import Sdf, Usd, Vt
 from rigs import ANIMATION, JOINTS, SKELETON, make_rig, some_metric, stored_metric
@@ -98,6 +99,18 @@ def test_metric_from_a_file_matches_by_name(tmp_path, run):
     arguments[3] = tmp_path / "other.json"
     code, _, err = run("upsample", tmp_path / "in.usda", "-o", tmp_path / "out2.usda", *arguments)
     assert code == 1 and err.endswith("has an entry for no joint of this file, which has hips, spine, arm.\n")
+
+
+def test_a_metric_that_couples_joints_is_refused_and_nothing_is_written(tmp_path, run):
+    stage = make_rig(tmp_path / "in.usda")
+    metric = replace(some_metric(), coupling=np.full((len(JOINTS), 3, 1), 0.1))
+    (tmp_path / "metric.json").write_text(metric.to_json())
+    arguments = ["-o", tmp_path / "out.usda", "--factor", 2, "--metric", tmp_path / "metric.json"]
+    code, _, err = run("upsample", tmp_path / "in.usda", *arguments)
+    assert code == 1 and "the metric couples joints, which only Python can use" in err
+    assert not (tmp_path / "out.usda").exists()
+    with pytest.raises(ToolError, match="couples joints"):
+        write_metric(Sdf.CreatePrimInLayer(stage.GetRootLayer(), ANIMATION), metric)
 
 
 @pytest.mark.parametrize(
