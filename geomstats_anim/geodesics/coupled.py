@@ -12,8 +12,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import solve_ivp
-from scipy.sparse.csgraph import connected_components
 
 from geomstats_anim import rotations as quat
 from geomstats_anim.geodesics.shortest import Effort
@@ -67,6 +65,8 @@ class _Shot(NamedTuple):
 
 def components(cometric: Array) -> list[np.ndarray]:
     """Return the indices of joints that are coupled, directly or through others, for each group of them."""
+    from scipy.sparse.csgraph import connected_components
+
     n_joints = len(cometric) // 3
     couples = (cometric.reshape(n_joints, 3, n_joints, 3) != 0.0).any(axis=(1, 3))
     count, label = connected_components(couples, directed=False)
@@ -303,6 +303,8 @@ def _turning(q: Array, velocity: Array) -> Array:
 
 def _integrate(rates: object, start: Array, times: Array, tolerance: float) -> Array:
     """Return states, shape=[size, T], at increasing times."""
+    from scipy.integrate import solve_ivp
+
     solution = solve_ivp(
         rates, (0.0, max(float(times[-1]), 1e-300)), start, "DOP853", times, rtol=tolerance, atol=tolerance
     )

@@ -96,7 +96,8 @@ class Learned(GeodesicSpline):
             raise ValueError("A library helps metrics that do not couple joints; leave one of both out.")
         super()._take(spline)
         # while a value is dragged, the residual stays
-        if self._library is not None and not isinstance(self._library, Help) and not spline.is_quick.any():
+        is_quick = isinstance(spline, PoseSpline) and spline.is_quick.any()
+        if self._library is not None and not isinstance(self._library, Help) and not is_quick:
             self.help = self._library.help(self.animation, self._curve)
 
     def differs(self, other: Self) -> tuple[np.ndarray, np.ndarray]:
