@@ -57,11 +57,8 @@ LEAST_REPEATS = 2
 LEAST_CATCH_UP = np.radians(1.0)
 """Radians by which motion that goes on misses where it was held."""
 
-LEAST_EXIT = 0.75
-"""The step that ends a drop-out is at least this times the mean of the steps before and after."""
-
 FARTHEST = 3.0
-"""It leads at most this times as far as the fastest step around would have led meanwhile: a pose that pops goes on."""
+"""The step that ends it leads at most this times as far as the fastest around would have in that time, unlike pops."""
 
 
 @dataclass(frozen=True)
@@ -374,7 +371,7 @@ def _find_dropouts(values: Array, space: Space, steps: Array) -> list[Fault]:
         axis=0,
     )
     leaves = together(steps[stop, joint])
-    is_fault = (largest >= LEAST_CATCH_UP) & (together(missed) > mean) & (leaves > LEAST_EXIT * mean)
+    is_fault = (largest >= LEAST_CATCH_UP) & (together(missed) > mean)
     is_fault &= leaves <= FARTHEST * (ends[1] - ends[0] + 1) * fastest
     return [
         Fault(DROPOUT, int(joint[k]), int(start[k]) + 1, int(stop[k]) + 1, float(missed[k]))

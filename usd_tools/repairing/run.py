@@ -20,6 +20,7 @@ from usd_tools.repairing.result import TOOL, RepairedAnimation, RepairResult
 from usd_tools.resampling.antialias import LowPass, filtered_clip, filtered_op
 from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import read_clips
+from usd_tools.skel.clip_notes import composition_notes, missing_note
 from usd_tools.skel.edit_target import EditTargetLayer
 from usd_tools.skel.find import find_animations, select_animations
 from usd_tools.skel.output import Output
@@ -104,8 +105,6 @@ def _repaired(
     bar = Progress(progress, len(clips), "Repairing")
     repaired = []
     for clip in clips:
-        for note in clip.notes:
-            messages.warn(note)
         repair = repair_clip(clip, options.max_gap)
         if repair.left:
             longest = max(each.samples for each in repair.left)
@@ -114,8 +113,19 @@ def _repaired(
                 "--max-gap rebuilds longer ones."
             )
         repaired.append(_smoothed(repair, options, messages))
+        for note in _notes(repaired[-1]):
+            messages.warn(note)
         bar.advance(1.0)
     return repaired
+
+
+def _notes(repaired: RepairedClip) -> list[str]:
+    """Return what a user should know; nothing of the rest pose, as it stays, nor of composition that stays."""
+    clip = repaired.repair.clip
+    untrue = [missing_note(clip, list(clip.missing))] if clip.missing else []
+    if not repaired.channels:
+        untrue += composition_notes(clip)
+    return [note for note in clip.notes if note not in untrue]
 
 
 def _smoothed(repair: Repair, options: RepairOptions, messages: Messages) -> RepairedClip:
