@@ -21,7 +21,7 @@ from geomstats_anim.names import (
     SELECTIONS,
     WEIGHTS_TOLERANCE,
 )
-from usd_tools.batch.tasks import is_batch
+from usd_tools.batch.main import Work, run_on_files
 from usd_tools.console.arguments import (
     add_inputs,
     add_output,
@@ -32,9 +32,8 @@ from usd_tools.console.arguments import (
     time_codes,
     whole_number,
 )
-from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
-from usd_tools.console.progress import ProgressBar, ProgressCallback
+from usd_tools.console.progress import ProgressCallback
 from usd_tools.downsampling.options import DownsampleOptions
 from usd_tools.downsampling.result import DownsampledAnimation, DownsampleResult
 
@@ -264,25 +263,14 @@ def _add_metric(parse: ArgumentParser) -> None:
 
 def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
     """Run the command and return its exit code."""
-    parse = parser(prog)
-    args = parse.parse_args(argv)
+    return run_on_files(parser(prog), argv, "usd_tools.downsample", DownsampleOptions, _work, for_one=("picture",))
 
-    def command() -> int:
-        options = DownsampleOptions.from_args(args)
-        if is_batch(args):
-            from usd_tools.batch.command import run_verb
-            from usd_tools.downsampling.run import downsample_file
 
-            return run_verb("usd_tools.downsample", downsample_file, args, options, for_one=("picture",))
-        (source,) = args.input
-        with ProgressBar() as bar:
-            result = downsample(source, args.out, options, progress=bar, warn=print_warning)
-        from usd_tools.downsampling.summary import print_summary
+def _work() -> Work:
+    from usd_tools.downsampling.run import downsample_file
+    from usd_tools.downsampling.summary import print_summary
 
-        print_summary(result, source, args.verbose)
-        return 0
-
-    return run(command, parse.error)
+    return downsample_file, lambda result, args: print_summary(result, args.input[0], args.verbose)
 
 
 if __name__ == "__main__":

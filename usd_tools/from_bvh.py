@@ -5,19 +5,19 @@ python -m usd_tools.from_bvh walk.bvh -o walk.usda --scale 0.056444 --skip-first
 
 from __future__ import annotations
 
+import argparse
 import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from usd_tools.batch.tasks import is_batch
+from usd_tools.batch.main import Work, run_on_files
 from usd_tools.bvh.options import UP_AXES, FromBvhOptions
 from usd_tools.bvh.result import FromBvhResult
 from usd_tools.console.arguments import add_format, add_inputs, add_several, positive_number
-from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
-from usd_tools.console.progress import ProgressBar, ProgressCallback
+from usd_tools.console.progress import ProgressCallback
 from usd_tools.console.text import counted, say
 from usd_tools.skel.frame_rates import typed_rate
 
@@ -164,27 +164,23 @@ def parser(prog: str = PROG) -> ArgumentParser:
 
 def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
     """Run the command and return its exit code."""
-    parse = parser(prog)
-    args = parse.parse_args(argv)
+    return run_on_files(
+        parser(prog), argv, "usd_tools.from_bvh", FromBvhOptions, _work, extensions=(".bvh",), suffix=".usdc"
+    )
 
-    def command() -> int:
-        options = FromBvhOptions.from_args(args)
-        if is_batch(args):
-            from usd_tools.batch.command import run_verb
-            from usd_tools.bvh.convert import from_bvh_file
 
-            return run_verb("usd_tools.from_bvh", from_bvh_file, args, options, extensions=(".bvh",), suffix=".usdc")
-        (source,) = args.input
-        with ProgressBar() as bar:
-            result = from_bvh(source, args.out, options, progress=bar, warn=print_warning)
-        from usd_tools.skel.rate_advice import written_at
+def _work() -> Work:
+    from usd_tools.bvh.convert import from_bvh_file
 
-        joints, frames = counted(result.joints, "joint"), counted(result.frames, "frame")
-        say(f"{source}: {joints}, {result.height_metres:.3g} m high at rest; {frames}.")
-        say(written_at(args.out, result.rate))
-        return 0
+    return from_bvh_file, _print
 
-    return run(command, parse.error)
+
+def _print(result: FromBvhResult, args: argparse.Namespace) -> None:
+    from usd_tools.skel.rate_advice import written_at
+
+    joints, frames = counted(result.joints, "joint"), counted(result.frames, "frame")
+    say(f"{args.input[0]}: {joints}, {result.height_metres:.3g} m high at rest; {frames}.")
+    say(written_at(args.out, result.rate))
 
 
 if __name__ == "__main__":

@@ -13,11 +13,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from geomstats_anim.names import EFFORTS, MEASURES, WEIGHTS_TOLERANCE
-from usd_tools.batch.tasks import is_batch
+from usd_tools.batch.main import Work, run_on_files
 from usd_tools.console.arguments import add_inputs, add_output, add_prim, add_several, positive_number
-from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
-from usd_tools.console.progress import ProgressBar, ProgressCallback
+from usd_tools.console.progress import ProgressCallback
 from usd_tools.packing.options import PackOptions, preview_keys
 from usd_tools.packing.result import PackedAnimation, PackResult
 
@@ -188,25 +187,14 @@ def parser(prog: str = PROG) -> ArgumentParser:
 
 def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
     """Run the command and return its exit code."""
-    parse = parser(prog)
-    args = parse.parse_args(argv)
+    return run_on_files(parser(prog), argv, "usd_tools.pack", PackOptions, _work)
 
-    def command() -> int:
-        options = PackOptions.from_args(args)
-        if is_batch(args):
-            from usd_tools.batch.command import run_verb
-            from usd_tools.packing.run import pack_file
 
-            return run_verb("usd_tools.pack", pack_file, args, options)
-        (source,) = args.input
-        with ProgressBar() as bar:
-            result = pack(source, args.out, options, progress=bar, warn=print_warning)
-        from usd_tools.packing.summary import print_packed
+def _work() -> Work:
+    from usd_tools.packing.run import pack_file
+    from usd_tools.packing.summary import print_packed
 
-        print_packed(result, source)
-        return 0
-
-    return run(command, parse.error)
+    return pack_file, lambda result, args: print_packed(result, args.input[0])
 
 
 if __name__ == "__main__":

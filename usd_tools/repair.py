@@ -11,11 +11,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from usd_tools.batch.tasks import is_batch
+from usd_tools.batch.main import Work, run_on_files
 from usd_tools.console.arguments import add_inputs, add_output, add_prim, add_several, positive_number, whole_number
-from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
-from usd_tools.console.progress import ProgressBar, ProgressCallback
+from usd_tools.console.progress import ProgressCallback
 from usd_tools.repairing.options import RepairOptions
 from usd_tools.repairing.result import RepairResult
 
@@ -168,25 +167,14 @@ def parser(prog: str = PROG) -> ArgumentParser:
 
 def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
     """Run the command and return its exit code."""
-    parse = parser(prog)
-    args = parse.parse_args(argv)
+    return run_on_files(parser(prog), argv, "usd_tools.repair", RepairOptions, _work)
 
-    def command() -> int:
-        options = RepairOptions.from_args(args)
-        if is_batch(args):
-            from usd_tools.batch.command import run_verb
-            from usd_tools.repairing.run import repair_file
 
-            return run_verb("usd_tools.repair", repair_file, args, options)
-        (source,) = args.input
-        with ProgressBar() as bar:
-            result = repair(source, args.out, options, progress=bar, warn=print_warning)
-        from usd_tools.repairing.summary import print_summary
+def _work() -> Work:
+    from usd_tools.repairing.run import repair_file
+    from usd_tools.repairing.summary import print_summary
 
-        print_summary(result)
-        return 0
-
-    return run(command, parse.error)
+    return repair_file, lambda result, _: print_summary(result)
 
 
 if __name__ == "__main__":

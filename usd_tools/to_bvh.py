@@ -5,20 +5,20 @@ python -m usd_tools.to_bvh walk.usda -o walk.bvh
 
 from __future__ import annotations
 
+import argparse
 import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from usd_tools.batch.tasks import is_batch
+from usd_tools.batch.main import Work, run_on_files
 from usd_tools.bvh.options import UP_AXES
 from usd_tools.bvh.result import ToBvhResult
 from usd_tools.bvh.to_options import ToBvhOptions
 from usd_tools.console.arguments import add_inputs, add_prim, add_several, positive_number
-from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
-from usd_tools.console.progress import ProgressBar, ProgressCallback
+from usd_tools.console.progress import ProgressCallback
 from usd_tools.console.text import counted, say
 
 if TYPE_CHECKING:
@@ -144,27 +144,21 @@ def parser(prog: str = PROG) -> ArgumentParser:
 
 def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
     """Run the command and return its exit code."""
-    parse = parser(prog)
-    args = parse.parse_args(argv)
+    return run_on_files(parser(prog), argv, "usd_tools.to_bvh", ToBvhOptions, _work, suffix=".bvh")
 
-    def command() -> int:
-        options = ToBvhOptions.from_args(args)
-        if is_batch(args):
-            from usd_tools.batch.command import run_verb
-            from usd_tools.bvh.export import to_bvh_file
 
-            return run_verb("usd_tools.to_bvh", to_bvh_file, args, options, suffix=".bvh")
-        (source,) = args.input
-        with ProgressBar() as bar:
-            result = to_bvh(source, args.out, options, progress=bar, warn=print_warning)
-        say(f"{result.prim}: {counted(result.joints, 'joint')}; {counted(result.frames, 'frame')}.")
-        say(
-            f"Wrote {args.out} ({result.rate:g} frames per second). BVH does not state its unit: one unit is "
-            f"{result.metres_per_unit:.6g} metres."
-        )
-        return 0
+def _work() -> Work:
+    from usd_tools.bvh.export import to_bvh_file
 
-    return run(command, parse.error)
+    return to_bvh_file, _print
+
+
+def _print(result: ToBvhResult, args: argparse.Namespace) -> None:
+    say(f"{result.prim}: {counted(result.joints, 'joint')}; {counted(result.frames, 'frame')}.")
+    say(
+        f"Wrote {args.out} ({result.rate:g} frames per second). BVH does not state its unit: one unit is "
+        f"{result.metres_per_unit:.6g} metres."
+    )
 
 
 if __name__ == "__main__":

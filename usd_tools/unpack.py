@@ -11,11 +11,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from usd_tools.batch.tasks import is_batch
+from usd_tools.batch.main import Work, run_on_files
 from usd_tools.console.arguments import add_inputs, add_output, add_prim, add_several
-from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
-from usd_tools.console.progress import ProgressBar, ProgressCallback
+from usd_tools.console.progress import ProgressCallback
 from usd_tools.packing.options import UnpackOptions
 from usd_tools.packing.result import UnpackedAnimation, UnpackResult
 
@@ -114,25 +113,14 @@ def parser(prog: str = PROG) -> ArgumentParser:
 
 def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
     """Run the command and return its exit code."""
-    parse = parser(prog)
-    args = parse.parse_args(argv)
+    return run_on_files(parser(prog), argv, "usd_tools.unpack", UnpackOptions, _work)
 
-    def command() -> int:
-        options = UnpackOptions.from_args(args)
-        if is_batch(args):
-            from usd_tools.batch.command import run_verb
-            from usd_tools.packing.unpacking import unpack_file
 
-            return run_verb("usd_tools.unpack", unpack_file, args, options)
-        (source,) = args.input
-        with ProgressBar() as bar:
-            result = unpack(source, args.out, options, progress=bar, warn=print_warning)
-        from usd_tools.packing.summary import print_unpacked
+def _work() -> Work:
+    from usd_tools.packing.summary import print_unpacked
+    from usd_tools.packing.unpacking import unpack_file
 
-        print_unpacked(result)
-        return 0
-
-    return run(command, parse.error)
+    return unpack_file, lambda result, _: print_unpacked(result)
 
 
 if __name__ == "__main__":

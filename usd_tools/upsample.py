@@ -12,11 +12,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from usd_tools.batch.tasks import is_batch
+from usd_tools.batch.main import Work, run_on_files
 from usd_tools.console.arguments import add_inputs, add_output, add_prim, add_several, time_codes, whole_number
-from usd_tools.console.errors import print_warning, run
 from usd_tools.console.parser import ArgumentParser
-from usd_tools.console.progress import ProgressBar, ProgressCallback
+from usd_tools.console.progress import ProgressCallback
 from usd_tools.skel.frame_rates import typed_rate
 from usd_tools.upsampling.arguments import add_contacts, add_cuts, add_library, add_metric
 from usd_tools.upsampling.joint_styles import Style
@@ -189,25 +188,14 @@ def _add_times(parse: argparse.ArgumentParser) -> None:
 
 def main(argv: Sequence[str] | None = None, prog: str = PROG) -> int:
     """Run the command and return its exit code."""
-    parse = parser(prog)
-    args = parse.parse_args(argv)
+    return run_on_files(parser(prog), argv, "usd_tools.upsample", UpsampleOptions, _work)
 
-    def command() -> int:
-        options = UpsampleOptions.from_args(args)
-        if is_batch(args):
-            from usd_tools.batch.command import run_verb
-            from usd_tools.upsampling.run import upsample_file
 
-            return run_verb("usd_tools.upsample", upsample_file, args, options)
-        (source,) = args.input
-        with ProgressBar() as bar:
-            result = upsample(source, args.out, options, progress=bar, warn=print_warning)
-        from usd_tools.upsampling.summary import print_summary
+def _work() -> Work:
+    from usd_tools.upsampling.run import upsample_file
+    from usd_tools.upsampling.summary import print_summary
 
-        print_summary(result, options.verbose)
-        return 0
-
-    return run(command, parse.error)
+    return upsample_file, lambda result, args: print_summary(result, args.verbose)
 
 
 if __name__ == "__main__":
