@@ -108,6 +108,24 @@ for step, wanted in ((bpy.ops.ed.undo, filled), (bpy.ops.ed.redo, moved)):
     live.update()
     assert dump(bpy.data.actions[result_name]) == wanted
 
+# a pose that is keyed on a generated key becomes a key
+result = bpy.data.actions[result_name]
+bone = bpy.data.objects[name].pose.bones[1]
+turn = bone.path_from_id("rotation_euler")
+frame = round(keys[2]) + 1
+bpy.context.scene.frame_set(frame)
+bone.rotation_euler.x += 0.4
+posed = bone.rotation_euler.x
+bone.keyframe_insert("rotation_euler", frame=frame)
+live.update()
+for i in range(3):
+    points = {round(point.co[0]): point for point in curves(result).find(turn, index=i).keyframe_points}
+    assert points[frame].type == "KEYFRAME" and points[frame - 1].type == "KEYFRAME", i
+    assert {points[frame + 1].type, points[frame + 2].type} == {"GENERATED"}
+assert abs(dump(result)[turn, 0][0][frame - round(keys[0])][1] - posed) < 1e-6
+bpy.ops.ed.undo()
+bpy.ops.ed.redo()
+
 # keys that were changed outlive the in-betweens, and the original is as it was
 assert bpy.ops.geodesic.remove() == {"FINISHED"}
 armature = bpy.data.objects[name]

@@ -32,6 +32,7 @@ _STOPS = np.cumsum([width for width, _ in _FIELDS.values()]).tolist()
 COLUMNS = {name: slice(stop - _FIELDS[name][0], stop) for name, stop in zip(_FIELDS, _STOPS, strict=True)}
 FRAME, VALUE = 0, 1
 TYPE, INTERPOLATION, SELECTED = (COLUMNS[name].start for name in ("type", "interpolation", "select_control_point"))
+BACK, PERIOD = (COLUMNS[name].start for name in ("back", "period"))
 """Columns of keys, which are arrays of shape=[K, 17]."""
 
 _PATH = re.compile(r'(?:pose\.bones\["(?P<bone>.*)"\]\.)?(?P<name>location|scale|rotation_\w+)')
@@ -80,9 +81,35 @@ def write_keys(curve, keys, before=None):
     curve.update()
 
 
+OWN_FIELDS = ("co", "type", "back", "period")
+"""Fields that tell what is generated."""
+
+
 def is_generated(keys):
-    """Return which keys are generated, shape=[K]."""
-    return keys[:, TYPE] == number_of("type", "GENERATED")
+    """Return which keys are as they were generated, shape=[K].
+
+    They remember their frame and value in numbers that straight lines do not use: who sets a key on a generated one in
+    Blender changes its value, but not its type.
+    """
+    unchanged = (keys[:, BACK] == keys[:, FRAME]) & (keys[:, PERIOD] == keys[:, VALUE])
+    return unchanged & (keys[:, TYPE] == number_of("type", "GENERATED"))
+
+
+def is_edited(keys):
+    """Return which keys were generated and then changed, shape=[K]; keys that others have generated are not."""
+    others = (keys[:, BACK] == _plain_key()[BACK]) & (keys[:, PERIOD] == _plain_key()[PERIOD])
+    return (keys[:, TYPE] == number_of("type", "GENERATED")) & ~is_generated(keys) & ~others
+
+
+def as_key(keys):
+    """Return keys as Blender makes them by default, at the same frames and values."""
+    new = np.tile(_plain_key(), (len(keys), 1))
+    words = {"handle_left_type": "AUTO_CLAMPED", "handle_right_type": "AUTO_CLAMPED", "interpolation": "BEZIER"}
+    for name, word in {**words, "type": "KEYFRAME"}.items():
+        new[:, COLUMNS[name]] = number_of(name, word)
+    for name in ("co", "handle_left", "handle_right", "select_control_point"):
+        new[:, COLUMNS[name]] = keys[:, COLUMNS[name]]
+    return new
 
 
 def merged(one, other):
@@ -109,6 +136,7 @@ def generated(frames, values):
     keys = np.tile(_plain_key(), (len(frames), 1))
     for name in ("co", "handle_left", "handle_right"):
         keys[:, COLUMNS[name]] = np.stack([frames, values], axis=-1).astype(np.float32)
+    keys[:, [BACK, PERIOD]] = keys[:, [FRAME, VALUE]]
     return keys
 
 

@@ -99,9 +99,11 @@ def _nothing(armature, scope):
 def plan(armature, copy, scope):
     """Return the tracks that get in-betweens, with their keys, and the notes of the copy afterwards."""
     notes, chosen = copy.notes, []
-    own_of = copy.own_keys if scope is None else copy.restored_keys
     with fc.Scratch() as scratch:
-        for track in tr.found_tracks(armature, copy, lambda curve, keys, key: own_of(curve, keys, notes.get(key))):
+        for track in tr.found_tracks(armature, copy):
+            if scope is not None:
+                for index, curve in track.curves.items():
+                    track.own[index] = copy.restored_keys(curve, track.own[index], notes.get(track.key))
             note = notes.get(track.key) if scope is None else _noted(armature, track, notes.get(track.key), scope)
             if note is not None and track.free and _place_keys(armature, track, note, scope, scratch):
                 notes[track.key] = note

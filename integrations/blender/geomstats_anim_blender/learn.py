@@ -16,7 +16,7 @@ def request(armature):
     action, slot = (animation.action, animation.action_slot) if copy is None else (copy.source, copy.source_slot)
     # what was baked is the truth, not what was made from it
     baked = SimpleNamespace(curves=fc.curves_of(action, slot) or ())
-    tracks = tr.found_tracks(armature, baked, lambda curve, keys, key: keys)
+    tracks = tr.found_tracks(armature, baked)
     tracks = [track for track in tracks if track.bone != tr.OBJECT and track.name != "scale"]
     if not tracks:
         raise fill.FillError(f"{armature.name} has no bone with keys, so there is nothing to learn from.")

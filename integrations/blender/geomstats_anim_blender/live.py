@@ -33,13 +33,18 @@ def _wait():
 
 def update():
     """Fill every live armature that has changed since; return None, as timers do that are done."""
-    screen = bpy.context.screen
-    if service.is_busy() or (screen is not None and screen.is_animation_playing):
+    if service.is_busy() or _is_in_use():
         return DELAY
     for armature in bpy.data.objects:
         if armature.type == "ARMATURE" and armature.geodesic.live:
             _update(armature)
     return None
+
+
+def _is_in_use():
+    """Return whether the animation plays, or keys are being dragged, which must not be exchanged meanwhile."""
+    windows = bpy.context.window_manager.windows
+    return any(window.screen.is_animation_playing or len(window.modal_operators) for window in windows)
 
 
 def _update(armature):
@@ -59,13 +64,11 @@ def _update(armature):
 
 def _fingerprint(armature, copy):
     """Return a hash of all that the in-betweens depend on."""
-    found, notes = hashlib.sha256(), copy.notes
+    found = hashlib.sha256()
     for curve in copy.curves:
-        channel = fc.split_path(curve.data_path)
-        if channel is not None:
-            found.update(f"{curve.data_path} {curve.array_index} {curve.lock} {curve.mute}".encode())
-            keys = fc.read_keys(curve, ("co", "type"))
-            found.update(copy.own_keys(curve, keys, notes.get("\n".join(channel))).tobytes())
+        keys = fc.read_keys(curve, fc.OWN_FIELDS)
+        found.update(f"{curve.data_path} {curve.array_index} {curve.lock} {curve.mute}".encode())
+        found.update(keys[~fc.is_generated(keys)].tobytes())
     found.update(json.dumps([style.document_of(armature), armature.geodesic.library, fill.frame_seconds()]).encode())
     modes = [(bone.rotation_mode, *bone.lock_rotation, *bone.lock_location) for bone in armature.pose.bones]
     found.update(repr(modes).encode())

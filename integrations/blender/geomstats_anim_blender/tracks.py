@@ -47,7 +47,7 @@ class Track:
         return f"{self.bone}\n{self.name}"
 
 
-def found_tracks(armature, copy, keys_of):
+def found_tracks(armature, copy):
     """Return the tracks of an armature's action.
 
     Parameters
@@ -55,22 +55,15 @@ def found_tracks(armature, copy, keys_of):
     armature : bpy.types.Object
     copy : working_copy.Copy
         Or anything with curves.
-    keys_of : callable
-        From a curve, its keys and its track's key to those that are not generated.
 
     Returns
     -------
     tracks : list of Track
         Those that must be left alone have no free numbers.
     """
-    by_channel = {}
-    for curve in copy.curves:
-        channel = fc.split_path(curve.data_path)
-        if channel is not None:
-            by_channel.setdefault(channel, {})[curve.array_index] = curve
     driven = {(each.data_path, each.array_index) for each in armature.animation_data.drivers}
     tracks = []
-    for (bone, name), curves in by_channel.items():
+    for (bone, name), curves in channels(copy.curves).items():
         owner = owner_of(armature, bone)
         if owner is None or (name.startswith("rotation") and name != rotation_of(owner)):
             continue
@@ -78,9 +71,35 @@ def found_tracks(armature, copy, keys_of):
         path = next(iter(curves.values())).data_path
         before = {index: fc.read_keys(curve) for index, curve in curves.items()}
         track = Track(bone, name, mode, path, curves, before, {}, _free(owner, name, mode, curves, driven))
-        track.own = {index: keys_of(curve, before[index], track.key) for index, curve in curves.items()}
+        track.own = own_keys(before)
         tracks.append(track)
     return tracks
+
+
+def channels(curves):
+    """Return curves by bone and property, and then by index."""
+    found = {}
+    for curve in curves:
+        channel = fc.split_path(curve.data_path)
+        if channel is not None:
+            found.setdefault(channel, {})[curve.array_index] = curve
+    return found
+
+
+def own_keys(keys):
+    """Return the keys of a channel's curves, by index, that are not generated.
+
+    Where a generated key was changed, the others of that frame belong to it: they are one pose.
+    """
+    edited = [each[fc.is_edited(each), fc.FRAME] for each in keys.values()]
+    if not any(map(len, edited)):
+        return {index: each[~fc.is_generated(each)] for index, each in keys.items()}
+    frames, own = np.concatenate(edited), {}
+    for index, each in keys.items():
+        is_new = fc.is_at(each[:, fc.FRAME], frames) & (each[:, fc.TYPE] == fc.number_of("type", "GENERATED"))
+        kept = ~fc.is_generated(each) & ~is_new
+        own[index] = fc.merged(each[kept], fc.as_key(each[is_new]))
+    return own
 
 
 def owner_of(armature, bone):

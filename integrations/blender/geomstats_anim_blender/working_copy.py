@@ -15,6 +15,7 @@ import bpy
 import numpy as np
 
 from . import curves as fc
+from . import tracks as tr
 
 NOTES = "geodesic_in_betweens"
 
@@ -51,32 +52,16 @@ class Copy:
         """Write the notes."""
         self.action[NOTES] = json.dumps(notes)
 
-    def own_keys(self, curve, keys, note):
-        """Return those of a curve's keys that are not ours: not generated, or generated in the original already."""
-        is_own = ~fc.is_generated(keys)
-        original = None if is_own.all() else self._original(curve)
-        if original is not None:
-            theirs = fc.read_keys(original, ("co", "type"))
-            theirs = theirs[fc.is_generated(theirs), fc.FRAME]
-            if len(theirs):
-                also = fc.is_at(keys[:, fc.FRAME], theirs)
-                kept = None if note is None else note["frames"]
-                is_own |= also if kept is None else also & fc.is_at(keys[:, fc.FRAME], np.array(kept))
-        return keys[is_own]
-
-    def restored_keys(self, curve, keys, note):
-        """Return the keys that are not ours, and those of the original that were replaced."""
-        own = self.own_keys(curve, keys, note)
-        original = None if note is None or note["frames"] is None else self._original(curve)
+    def restored_keys(self, curve, own, note):
+        """Return the keys of a curve that are not ours, and those of the original that were replaced."""
+        key = (curve.data_path, curve.array_index)
+        original = None if note is None or note["frames"] is None else self._originals.get(key)
         if original is None:
             return own
         theirs, kept = fc.read_keys(original), np.array(note["frames"])
         frames = theirs[:, fc.FRAME]
         replaced = (frames > kept[0]) & (frames < kept[-1]) & ~fc.is_at(frames, kept)
         return fc.merged(own, theirs[replaced & ~fc.is_at(frames, own[:, fc.FRAME])])
-
-    def _original(self, curve):
-        return self._originals.get((curve.data_path, curve.array_index))
 
     @property
     def is_changed(self):
@@ -127,11 +112,10 @@ def remove(armature, copy):
     copy, with all that was replaced.
     """
     notes = copy.notes
-    for curve in list(copy.curves):
-        channel = fc.split_path(curve.data_path)
-        note = None if channel is None else notes.get("\n".join(channel))
-        if note is not None:
-            keys = copy.restored_keys(curve, fc.read_keys(curve), note)
+    for channel, curves in tr.channels(copy.curves).items():
+        own = tr.own_keys({index: fc.read_keys(curve) for index, curve in curves.items()})
+        for index, curve in curves.items():
+            keys = copy.restored_keys(curve, own[index], notes.get("\n".join(channel)))
             if len(keys):
                 fc.write_keys(curve, keys)
             else:
