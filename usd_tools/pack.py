@@ -173,7 +173,7 @@ def parser(prog: str = PROG) -> ArgumentParser:
         "--effort",
         choices=EFFORTS,
         default=EFFORTS[0],
-        help="full (the default), or fast: half of the time or less, larger files",
+        help="full (the default), or fast: a tenth of the time, larger files",
     )
     parse.add_argument(
         "--no-xforms", action="store_true", help="leave the transforms that move a character as a whole as they are"

@@ -65,7 +65,7 @@ def pack(
         Numbers to pack beside the joints.
         Optional, default: none.
     effort : str
-        "full", or "fast" for half of the time or less and larger streams.
+        "full", or "fast" for a tenth of the time and larger streams.
         Optional, default: "full".
     segment : float
         Seconds of the pieces that can be decoded alone.

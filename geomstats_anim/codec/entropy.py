@@ -6,10 +6,10 @@ import numpy as np
 
 from geomstats_anim.codec.bytestream import StreamError
 from geomstats_anim.kernels import binary_coder as kernel
-from geomstats_anim.kernels.context_coder import code
+from geomstats_anim.kernels.context_coder import GROUP, SHARED, code
+from geomstats_anim.kernels.context_priors import FIRST_WEIGHTS
 from geomstats_anim.kernels.contexts import Lattice
 
-_SECTIONS = 9
 _BYTES_PER_INTEGER = 12
 """More than the coder ever needs, escapes included."""
 
@@ -34,14 +34,10 @@ def decode(payload: bytes, lattice: Lattice) -> None:
 
 
 def _new_model(lattice: Lattice, stream: np.ndarray, decoding: bool) -> kernel.Model:
-    section = max(4096, 40 * lattice.integers.shape[1] + 64)
-    shape = (kernel.INPUTS, _SECTIONS * section)
     return kernel.Model(
         coder=np.array([0, 0xFFFFFFFF, 0, 0], dtype=np.int64),
         stream=stream,
         decoding=decoding,
-        odds=np.zeros(shape, dtype=np.int32),
-        weights=np.full((kernel.KINDS, kernel.INPUTS), kernel.FIRST_WEIGHT, dtype=np.int64),
-        inputs=np.zeros(kernel.INPUTS, dtype=np.int64),
-        section=section,
+        odds=np.zeros(SHARED + lattice.integers.shape[1] * GROUP, dtype=np.int32),
+        weights=FIRST_WEIGHTS.copy(),
     )

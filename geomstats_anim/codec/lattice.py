@@ -9,6 +9,7 @@ import numpy as np
 
 from geomstats_anim.animation import Skeleton
 from geomstats_anim.codec.wavelets import Wavelets
+from geomstats_anim.kernels import wavelets as kernel
 from geomstats_anim.kernels.contexts import PLAIN, ROTATION, TRANSLATION, Lattice
 from geomstats_anim.names import SHELL_RADIUS
 from geomstats_anim.rotations import Array, multiply, rotate
@@ -173,15 +174,20 @@ def to_values(lattice: Lattice) -> Array:
     """Return the samples of every channel, shape=[F, G, 3]."""
     integers = lattice.integers
     used = np.flatnonzero(integers.any(axis=(0, 2)))
-    coefficients = integers[:, used] * units_of(lattice)[:, used]
+    samples = np.empty((len(integers), 3 * len(used)))
+    kernel.scaled(integers, lattice.bands, lattice.units, used, samples)
+    kernel.synthesise(samples, wavelets_of(len(integers)).sizes)
     values = np.zeros(integers.shape)
-    samples = wavelets_of(len(integers)).synthesise(coefficients.reshape(len(integers), -1))
     values[:, used] = samples.reshape(len(integers), -1, 3)
     return values
 
 
-def to_lattice_coordinates(lattice: Lattice, values: Array) -> Array:
-    """Return the coefficients of samples, shape=[F, G, 3], in units of the lattice, before rounding."""
-    coefficients = wavelets_of(len(values)).analyse(values.reshape(len(values), -1)).reshape(values.shape)
+def to_coefficients(values: Array) -> Array:
+    """Return the coefficients of samples, shape=[F, G, 3]."""
+    return wavelets_of(len(values)).analyse(values.reshape(len(values), -1)).reshape(values.shape)
+
+
+def to_lattice_coordinates(lattice: Lattice, coefficients: Array) -> Array:
+    """Return coefficients, shape=[F, G, 3], in units of the lattice, before rounding."""
     units = units_of(lattice)
     return np.divide(coefficients, units, out=np.zeros_like(coefficients), where=units > 0.0)

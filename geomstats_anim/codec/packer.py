@@ -10,7 +10,7 @@ import numpy as np
 from geomstats_anim.animation import Animation
 from geomstats_anim.codec import entropy
 from geomstats_anim.codec.chart import choose_turns, references, to_vectors
-from geomstats_anim.codec.lattice import Steps, code_of, new_lattice, to_lattice_coordinates, to_values
+from geomstats_anim.codec.lattice import Steps, code_of, new_lattice, to_coefficients, to_lattice_coordinates, to_values
 from geomstats_anim.codec.search import EFFORTS, joints_below, marker_places, search, search_plain
 from geomstats_anim.codec.stream import Header, Segment
 from geomstats_anim.kernels import lattice_search as kernel
@@ -24,7 +24,10 @@ _STEP = 0.75
 """Step over tolerance, at the joint's lever."""
 
 _FINER = 10
-"""Steps that are tried, each finer than the last by a quarter octave."""
+"""Steps that are searched, each finer than the last by a quarter octave."""
+
+_FINEST = 24
+"""Steps that there are."""
 
 _SCALE_SHARE = 0.125
 """Part of the tolerance that scales may take."""
@@ -102,26 +105,41 @@ class Packer:
         others = [code_of(_STEP * each) for each in self.other_tolerances]
         return [
             Steps(max(motion - n, 0), max(scales - n, 0), tuple(max(code - n, 0) for code in others))
-            for n in range(_FINER)
+            for n in range(_FINEST)
         ]
 
     def _integers(self, piece: Animation, turns: np.ndarray, values: Array) -> tuple[Steps, Lattice]:
         """Return integers that keep the tolerance, or the finest there are."""
+        coefficients = to_coefficients(values)
         for steps in self.steps:
-            lattice, coordinates = self.rounded(values, steps)
+            lattice, coordinates = self.rounded(coefficients, steps)
             if np.abs(coordinates - lattice.integers).max(initial=0.0) < _ON_LATTICE:
                 return steps, lattice  # packed before
-        for steps in self.steps:
-            lattice, coordinates = self.rounded(values, steps)
+        for steps in self._promising(piece, turns, values, coefficients):
+            lattice, coordinates = self.rounded(coefficients, steps)
             moving = np.flatnonzero(np.abs(coordinates).max(axis=(0, 2)) > _STILL_STEPS)
             if self._searched(self.pose(piece, turns, values, lattice), lattice, moving):
                 return steps, lattice
-        return steps, self.rounded(values, steps)[0]
+        return steps, self.rounded(coefficients, steps)[0]
 
-    def rounded(self, values: Array, steps: Steps) -> tuple[Lattice, Array]:
-        """Return the nearest integers to samples, and what was rounded, shape=[F, G, 3]."""
-        lattice = new_lattice(self.layout, steps, len(values), with_basis=True)
-        coordinates = to_lattice_coordinates(lattice, values)
+    def _promising(self, piece: Animation, turns: np.ndarray, values: Array, coefficients: Array) -> list[Steps]:
+        """Return the steps to search with: without repairs, by bisection, those at which rounding is good enough."""
+        if self.effort.repairs:
+            return self.steps[:_FINER]
+        low, high = 0, len(self.steps) - 1
+        while low < high:
+            middle = (low + high) // 2
+            lattice, _ = self.rounded(coefficients, self.steps[middle])
+            if self._searched(self.pose(piece, turns, values, lattice), lattice, np.zeros(0, dtype=np.intp)):
+                high = middle
+            else:
+                low = middle + 1
+        return self.steps[low:]
+
+    def rounded(self, coefficients: Array, steps: Steps) -> tuple[Lattice, Array]:
+        """Return the nearest integers to coefficients, and what was rounded, shape=[F, G, 3]."""
+        lattice = new_lattice(self.layout, steps, len(coefficients), with_basis=True)
+        coordinates = to_lattice_coordinates(lattice, coefficients)
         lattice.integers[:] = np.rint(coordinates.clip(-LARGEST, LARGEST))
         return lattice, coordinates
 

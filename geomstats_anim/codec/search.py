@@ -8,13 +8,15 @@ import numpy as np
 
 from geomstats_anim.animation import Skeleton
 from geomstats_anim.kernels import lattice_search as kernel
-from geomstats_anim.kernels.contexts import ACTIVITIES, Lattice
+from geomstats_anim.kernels.contexts import CLASSES, PARTS, Lattice
 from geomstats_anim.kernels.lattice_search import Pose
 from geomstats_anim.rotations import Array
 
-_BANDS = 8
-"""Bands from here on share statistics."""
+_EXPECTED = 2.0 ** (0.5 * np.arange(CLASSES)[:, None] - 1.0) / PARTS
+"""Sizes in the middle of every class, with which costs begin: those of geometric distributions."""
 
+_WORTH = 8.0
+"""Integers that these are worth beside those that are counted."""
 
 _CLOSE = 0.97
 """Of the tolerance: joints with errors beyond this weigh more from then on."""
@@ -31,7 +33,8 @@ class Effort(NamedTuple):
         Passes after which joints with errors about the tolerance weigh more, by `growth` each time.
     growth : float
     repairs : int
-        Passes at most in which they weigh twice as much each time, until none is beyond the tolerance.
+        Passes at most in which they weigh twice as much each time, until none is beyond the tolerance. With none at
+        all, steps are so fine that rounding keeps the tolerance, and passes that lose it are taken back.
     """
 
     passes: tuple[float, ...]
@@ -40,7 +43,7 @@ class Effort(NamedTuple):
     repairs: int
 
 
-EFFORTS = {"full": Effort((1.0, 0.5, *30 * (0.2,)), 4, 1.3, 30), "fast": Effort((4.0, 2.0), 1, 2.0, 12)}
+EFFORTS = {"full": Effort((1.0, 0.5, *30 * (0.2,)), 4, 1.3, 30), "fast": Effort((16.0,), 1, 1.0, 0)}
 
 
 def joints_below(parents: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -79,6 +82,8 @@ def search(pose: Pose, lattice: Lattice, groups: np.ndarray, tolerance: float, e
     done : bool
         Whether every marker is within the tolerance, up to rounding.
     """
+    if not effort.repairs:
+        return _thinned(pose, lattice, groups, tolerance, effort)
     upwards = False
     for attempt in range(len(effort.passes) + effort.repairs + 1):
         if attempt > effort.free:
@@ -93,18 +98,34 @@ def search(pose: Pose, lattice: Lattice, groups: np.ndarray, tolerance: float, e
     return bool(largest_errors(pose).max(initial=0.0) <= tolerance)
 
 
+def _thinned(pose: Pose, lattice: Lattice, groups: np.ndarray, tolerance: float, effort: Effort) -> bool:
+    """Sweep over integers that keep the tolerance; take back what loses it. Return False if they do not."""
+    if largest_errors(pose).max(initial=0.0) > tolerance:
+        return False
+    for weight in effort.passes:
+        before = lattice.integers.copy()
+        kernel.sweep(pose, lattice, groups, False, tolerance, weight, _costs(lattice))
+        if largest_errors(pose).max(initial=0.0) > tolerance:
+            lattice.integers[:] = before
+            break
+    return True
+
+
 def search_plain(pose: Pose, lattice: Lattice, groups: np.ndarray, effort: Effort) -> bool:
     """Improve the integers of groups of plain numbers; return whether all are within their tolerances."""
+    if not effort.repairs:
+        return is_kept(pose)
     weight = 1.0
     for attempt in range(len(effort.passes) + effort.repairs if len(groups) else 0):
         weight = effort.passes[attempt] if attempt < len(effort.passes) else 2.0 * weight
         kernel.sweep(pose, lattice, groups, False, 1.0, weight, _costs(lattice))
-        if attempt >= len(effort.passes) - 1 and _is_kept(pose):
+        if attempt >= len(effort.passes) - 1 and is_kept(pose):
             return True
-    return _is_kept(pose)
+    return is_kept(pose)
 
 
-def _is_kept(pose: Pose) -> bool:
+def is_kept(pose: Pose) -> bool:
+    """Return whether plain numbers are within their tolerances."""
     return not np.any(np.abs(pose.plain - pose.plain_targets) > pose.plain_tolerances[:, None])
 
 
@@ -116,13 +137,15 @@ def largest_errors(pose: Pose) -> Array:
 
 
 def _costs(lattice: Lattice) -> Array:
-    """Return the bits of every size of integer, by band and activity, as the integers are now."""
-    counts = np.zeros((min(_BANDS, len(lattice.bands) - 1), ACTIVITIES, kernel.LARGEST + 1))
+    """Return the bits of every size of integer, by class of the expected size, as the integers are now."""
+    counts = np.zeros((CLASSES, kernel.LARGEST + 1))
     kernel.recount(lattice, counts)
-    prior = counts.sum(axis=0, keepdims=True) + counts.sum(axis=(0, 1), keepdims=True) / (2 * ACTIVITIES)
-    prior += 0.3 * 0.5 ** np.arange(kernel.LARGEST + 1)
-    prior /= prior.sum(axis=-1, keepdims=True)
-    return -np.log2((counts + 2.0 * prior) / (counts.sum(axis=-1, keepdims=True) + 2.0))
+    around = np.pad(counts, ((1, 1), (0, 0)))
+    counts += 0.5 * (around[:-2] + around[2:])
+    ratio = _EXPECTED / (1.0 + _EXPECTED)
+    geometric = (1.0 - ratio) * ratio ** np.arange(kernel.LARGEST + 1)
+    geometric[:, -1] = ratio[:, 0] ** kernel.LARGEST
+    return -np.log2((counts + _WORTH * geometric) / (counts.sum(axis=-1, keepdims=True) + _WORTH))
 
 
 def marker_places(skeleton: Skeleton, joints: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -12,11 +12,8 @@ import numpy as np
 
 from geomstats_anim.kernels.compilation import compiled, inlined
 
-INPUTS = 6
+INPUTS = 5
 """Contexts per decision."""
-
-KINDS = 64
-"""Sets of weights."""
 
 _SQUASH = np.array(
     [
@@ -51,14 +48,11 @@ RATES = np.array([65536 * 2 // (2 * n + 3) for n in range(256)])
 EVEN = 32768
 """Odds of a decision of which nothing is known."""
 
-LIMIT = 127
+LIMIT = 255
 """Decisions from which on the rate stays."""
 
-LEARNING = 20
+LEARNING = 40
 """How fast the weights of contexts follow."""
-
-FIRST_WEIGHT = 9830
-"""Of every context at the beginning, in 1 / 65536."""
 
 TRIMMED = 4
 """Zeros that are left out at the end of a stream, at most."""
@@ -79,14 +73,10 @@ class Model(NamedTuple):
         Bounds of the interval, the code that is read, and the place in the stream.
     stream : array-like of uint8
     decoding : bool
-    odds : array-like of int, shape=[INPUTS, n]
+    odds : array-like of int, shape=[n]
         In each context the probability of 1, in 1 / 65536, times 256, plus the number of decisions, up to `LIMIT`.
     weights : array-like of int, shape=[KINDS, INPUTS]
-        Of the contexts, in 1 / 65536.
-    inputs : array-like of int, shape=[INPUTS]
-        Stretched probabilities of the contexts of a decision.
-    section : int
-        Contexts for each kind of decision.
+        Of the contexts, in 1 / 65536, for every kind of decision.
     """
 
     coder: np.ndarray
@@ -94,8 +84,6 @@ class Model(NamedTuple):
     decoding: bool
     odds: np.ndarray
     weights: np.ndarray
-    inputs: np.ndarray
-    section: int
 
 
 @inlined
@@ -123,17 +111,31 @@ def code_bit(coder, stream, decoding, probability, bit):
 
 
 @inlined
-def decide_at(model, section, kind, prior, a, b, c, d, e, f, bit):
-    """Code one decision in six contexts of a section of the tables; contexts that are new begin at the prior.
+def known(odds, context, prior):
+    """Return what a context knows; one that is new begins at the prior."""
+    entry = odds[context]
+    return entry if entry else prior << 8 | 1
+
+
+@inlined
+def learn(odds, context, entry, bit):
+    """Move the probability of a context towards a decision, the less the more it has seen."""
+    p, n = entry >> 8, entry & 0xFF
+    odds[context] = (p + ((((bit << 16) - bit - p) * RATES[n]) >> 16)) << 8 | min(n + 1, LIMIT)
+
+
+@inlined
+def decide_at(model, kind, prior, a, b, c, d, e, bit):
+    """Code one decision in five contexts.
 
     Parameters
     ----------
     model : Model
-    section, kind : int
-        Of the tables, and of the weights.
+    kind : int
+        Of the weights.
     prior : int
-        Probability of 1, in 1 / 65536.
-    a, b, c, d, e, f : int
+        Probability of 1, in 1 / 65536, in contexts that are new.
+    a, b, c, d, e : int
         Contexts.
     bit : bool
         The decision, if it is encoded.
@@ -142,28 +144,46 @@ def decide_at(model, section, kind, prior, a, b, c, d, e, f, bit):
     -------
     bit : int
     """
-    base = section * model.section
-    slots = (base + a, base + b, base + c, base + d, base + e, base + f)
-    inputs, weights, odds = model.inputs, model.weights, model.odds
-    total = 0
-    for i in range(INPUTS):
-        entry = odds[i, slots[i]]
-        if entry == 0:
-            entry = prior << 8 | 1
-            odds[i, slots[i]] = entry
-        inputs[i] = STRETCH[entry >> 12]
-        total += inputs[i] * weights[kind, i]
+    odds, weights = model.odds, model.weights
+    ka, kb, kc = known(odds, a, prior), known(odds, b, prior), known(odds, c, prior)
+    kd, ke = known(odds, d, prior), known(odds, e, prior)
+    ia, ib, ic, id_, ie = STRETCH[ka >> 12], STRETCH[kb >> 12], STRETCH[kc >> 12], STRETCH[kd >> 12], STRETCH[ke >> 12]
+    total = ia * weights[kind, 0] + ib * weights[kind, 1] + ic * weights[kind, 2]
+    total += id_ * weights[kind, 3] + ie * weights[kind, 4]
     mixed = SQUASH[min(max(total >> 16, -2047), 2047) + 2047]
     bit = code_bit(model.coder, model.stream, model.decoding, min(max(mixed * 16, 32), 65536 - 32), 1 if bit else 0)
     error = ((bit << 12) - mixed) * LEARNING
-    target = (bit << 16) - bit
-    for i in range(INPUTS):
-        weights[kind, i] += (inputs[i] * error + 0x8000) >> 16
-        entry = odds[i, slots[i]]
-        p, n = entry >> 8, entry & 0xFF
-        p += ((target - p) * RATES[n]) >> 16
-        odds[i, slots[i]] = p << 8 | min(n + 1, LIMIT)
+    weights[kind, 0] += (ia * error + 0x8000) >> 16
+    weights[kind, 1] += (ib * error + 0x8000) >> 16
+    weights[kind, 2] += (ic * error + 0x8000) >> 16
+    weights[kind, 3] += (id_ * error + 0x8000) >> 16
+    weights[kind, 4] += (ie * error + 0x8000) >> 16
+    learn(odds, a, ka, bit)
+    learn(odds, b, kb, bit)
+    learn(odds, c, kc, bit)
+    learn(odds, d, kd, bit)
+    learn(odds, e, ke, bit)
     return bit
+
+
+@inlined
+def decide_alone(model, prior, context, bit):
+    """Code one decision in one context; see `decide_at`."""
+    entry = known(model.odds, context, prior)
+    p = min(max(entry >> 8, 64), 65536 - 64)
+    bit = code_bit(model.coder, model.stream, model.decoding, p, 1 if bit else 0)
+    learn(model.odds, context, entry, bit)
+    return bit
+
+
+@compiled
+def code_digits(model, count, digits):
+    """Code binary digits of which nothing is known, the highest first; return them."""
+    value = 0
+    for i in range(count - 1, -1, -1):
+        bit = code_bit(model.coder, model.stream, model.decoding, EVEN, (digits >> i) & 1)
+        value = 2 * value + bit
+    return value
 
 
 @compiled

@@ -40,8 +40,40 @@ class Lattice(NamedTuple):
     values: np.ndarray
 
 
-ACTIVITIES = 16
-"""Classes of how large the integers around one are."""
+PARTS = 64
+"""Expected sizes are in 64ths."""
+
+CLASSES = 32
+"""Classes of expected sizes: 0, then by half octaves."""
+
+# how much of the sizes around it an integer is expected to have: one and two before in time, in the coarser band and
+# after that, other components now and before, the parent joint, all groups before; fitted on motion capture
+BEFORE, SECOND, COARSER, AFTER, BESIDE, BESIDE_BEFORE, PARENT, CROWD = 22, 4, 6, 1, 5, 3, 3, 4
+
+
+def _class(expected: int) -> int:
+    length = expected.bit_length()
+    return expected if expected < 2 else 2 * length - 2 + ((expected >> (length - 2)) & 1)
+
+
+_CLASS_OF = np.array([_class(expected) for expected in range(4096)])
+
+
+@inlined
+def class_of(expected):
+    """Return the class, below `CLASSES`, of an expected size."""
+    octaves = 0
+    while expected >= 4096:
+        expected >>= 1
+        octaves += 1
+    return min(_CLASS_OF[expected] + 2 * octaves, CLASSES - 1)
+
+
+@inlined
+def octave_of(expected):
+    """Return the octave, up to 15, of an expected size: two classes, and 0 for nothing."""
+    found = class_of(expected)
+    return min(found // 2 + 1, 15) if found else 0
 
 
 @inlined
@@ -55,37 +87,25 @@ def above_of(bands, band, k):
 
 
 @inlined
-def neighbours(q, bands, parents, band, k, group, c):
-    """Return the sizes of what is coded before an integer: before in time, coarser, other components, parent joint."""
-    first = bands[band]
-    before = 2 * abs(q[k - 1, group, c]) if k > first else 0
-    before += abs(q[k - 2, group, c]) if k > first + 1 else 0
-    up = above_of(bands, band, k)
-    coarser = 0
-    if up >= 0:
-        coarser = 2 * abs(q[up, group, c])
-        coarser += abs(q[up + 1, group, c]) if up + 1 < first else 0
-    others = 0
-    for i in range(3):
-        if i < c:
-            others += 2 * abs(q[k, group, i])
-        elif i > c and k > first:
-            others += abs(q[k - 1, group, i])
-    above = parents[group]
-    family = 0
-    if above >= 0:
-        family = abs(q[k, above, 0]) + abs(q[k, above, 1]) + abs(q[k, above, 2])
-    return before, coarser, others, family
+def expected_in_time(sizes, bands, band, k):
+    """Return the size that is expected of a wavelet, in 64ths, from those before it in time and in the coarser band."""
+    first, up = bands[band], above_of(bands, band, k)
+    expected = COARSER * abs(sizes[up]) + (AFTER * abs(sizes[up + 1]) if up + 1 < first else 0)
+    if k > first:
+        expected += BEFORE * abs(sizes[k - 1])
+    if k > first + 1:
+        expected += SECOND * abs(sizes[k - 2])
+    return expected
 
 
 @inlined
-def activity_class(before, coarser, others, family):
-    """Return the class, below `ACTIVITIES`, of the sizes that `neighbours` gives."""
-    total = 3 * before + 2 * coarser + 2 * others + family
-    if total < 6:
-        return total
-    if total < 24:
-        return 6 + (total - 6) // 4  # 6 to 10
-    if total < 48:
-        return 11 + (total - 24) // 12  # 11, 12
-    return 13 if total < 80 else 14 if total < 160 else 15
+def expected_beside(q, bands, parents, band, k, group, c):
+    """Return the size that is expected of a wavelet, in 64ths, from the other components and the parent joint."""
+    expected = 0
+    for i in range(3):
+        if i < c:
+            expected += BESIDE * abs(q[k, group, i])
+        elif i > c and k > bands[band]:
+            expected += BESIDE_BEFORE * abs(q[k - 1, group, i])
+    above = parents[group]
+    return expected + PARENT * abs(q[k, above, c]) if above >= 0 else expected

@@ -14,12 +14,12 @@ import numpy as np
 
 from geomstats_anim.kernels import affine, vectors
 from geomstats_anim.kernels.compilation import compiled, inlined
-from geomstats_anim.kernels.contexts import PLAIN, ROTATION, activity_class, neighbours
+from geomstats_anim.kernels.contexts import PLAIN, ROTATION, class_of, expected_beside, expected_in_time
 
 TERMS = 9
 """Coefficients of a polynomial of degree eight."""
 
-LARGEST = 15
+LARGEST = 31
 """Magnitudes from here on share the statistics of the search."""
 
 
@@ -257,10 +257,28 @@ def bits_of(costs, size):
 
 
 @inlined
+def bits_at(costs, lattice, band, k, group, c, value):
+    """Return the estimated bits of a value of an integer, by its row of the costs; of scaling coefficients by steps."""
+    if band > 0:
+        return bits_of(costs, abs(value))
+    q = lattice.integers
+    bits = bits_of_step(value - q[k - 1, group, c] if k > 0 else value)
+    return bits + bits_of_step(q[k + 1, group, c] - value) if k + 1 < lattice.bands[1] else bits
+
+
+@inlined
+def bits_of_step(step):
+    """Return the estimated bits of a step between scaling coefficients."""
+    return 1.0 + 1.5 * np.log2(1.0 + abs(step))
+
+
+@inlined
 def statistics_of(table, lattice, band, k, group, c):
-    """Return the row of a table, shape=[bands, activities, sizes], for an integer."""
-    around = neighbours(lattice.integers, lattice.bands, lattice.parents, band, k, group, c)
-    return table[min(band, len(table) - 1), activity_class(*around)]
+    """Return the row of a table, shape=[classes, sizes], for a wavelet."""
+    q, bands = lattice.integers, lattice.bands
+    expected = expected_in_time(q[:, group, c], bands, band, k)
+    expected += expected_beside(q, bands, lattice.parents, band, k, group, c)
+    return table[class_of(expected)]
 
 
 @compiled
@@ -279,8 +297,8 @@ def visit(pose, lattice, group, c, tolerance, weight, costs, relative, terms):
         unit = lattice.units[band, group]
         for k in range(bands[band], bands[band + 1]):
             values = lattice.values[pointers[k] : pointers[k + 1]]
-            row = statistics_of(costs, lattice, band, k, group, c)
-            new = best_move(terms, lattice.starts[k], values, q[k, group, c], unit, weight, row)
+            row = statistics_of(costs, lattice, band, k, group, c) if band else costs[0]
+            new = best_move(terms, values, unit, weight, row, lattice, band, k, group, c)
             step = (new - q[k, group, c]) * unit
             if step != 0.0:
                 shift(terms, lattice.starts[k], values, step)
@@ -296,20 +314,21 @@ def visit(pose, lattice, group, c, tolerance, weight, costs, relative, terms):
 
 
 @compiled
-def best_move(terms, start, values, old, unit, weight, costs):
+def best_move(terms, values, unit, weight, costs, lattice, band, k, group, c):
     """Return the best of an integer, its two neighbours and zero."""
+    start, old = lattice.starts[k], lattice.integers[k, group, c]
     slope = 0.0
     for i in range(len(values)):
         slope += terms[1, start + i] * values[i]
     down = -1 if slope > 0.0 else 1
     inwards = old - 1 if old > 0 else old + 1
-    old_bits = bits_of(costs, abs(old))
+    old_bits = bits_at(costs, lattice, band, k, group, c, old)
     best, best_gain = old, 0.0
     for trial in range(3):
         new = old + down if trial == 0 else inwards if trial == 1 else 0
         if new == old or (trial == 1 and old == 0):
             continue
-        saved, step = old_bits - bits_of(costs, abs(new)), (new - old) * unit
+        saved, step = old_bits - bits_at(costs, lattice, band, k, group, c, new), (new - old) * unit
         # the sum is convex: it falls by no more than its slope says
         if saved - weight * slope * step <= best_gain:
             continue
@@ -321,9 +340,9 @@ def best_move(terms, start, values, old, unit, weight, costs):
 
 @compiled
 def recount(lattice, counts):
-    """Add the sizes of the integers to counts, shape=[bands, activities, LARGEST + 1]."""
+    """Add the sizes of the wavelets' integers to counts, shape=[CLASSES, LARGEST + 1]."""
     q, bands = lattice.integers, lattice.bands
-    for band in range(len(bands) - 1):
+    for band in range(1, len(bands) - 1):
         for k in range(bands[band], bands[band + 1]):
             for group in range(q.shape[1]):
                 for c in range(3):

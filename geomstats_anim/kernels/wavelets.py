@@ -97,3 +97,14 @@ def synthesise(values, sizes):
     for level in range(len(sizes) - 2, -1, -1):
         n = sizes[level]
         merge(values[:n], values[:n], buffer[:n])
+
+
+@compiled
+def scaled(integers, bands, units, groups, coefficients):
+    """Write the coefficients, shape=[F, 3 N], of some groups, shape=[N], of integers, shape=[F, G, 3]."""
+    for band in range(len(bands) - 1):
+        for k in range(bands[band], bands[band + 1]):
+            for i in range(len(groups)):
+                unit = units[band, groups[i]]
+                for c in range(3):
+                    coefficients[k, 3 * i + c] = integers[k, groups[i], c] * unit

@@ -50,7 +50,7 @@ class PackOptions(OutputOptions):
         Whether transforms that move a character as a whole keep their samples.
         Optional, default: False, they are packed.
     effort : str
-        "full", or "fast" for half of the time or less and larger files.
+        "full", or "fast" for a tenth of the time and larger files.
         Optional, default: "full".
     """
 

@@ -12,6 +12,7 @@ from geomstats_anim.codec.lattice import (
     levers,
     new_lattice,
     step_of,
+    to_coefficients,
     to_lattice_coordinates,
     to_values,
 )
@@ -43,7 +44,7 @@ def test_coordinates_invert_values(n_frames):
     layout = Layout.of(motions.rig(), True, True, 2)
     lattice = new_lattice(layout, Steps(60, 50, (40, 41)), n_frames, with_basis=True)
     lattice.integers[:] = np.random.default_rng(0).integers(-5, 6, lattice.integers.shape)
-    coordinates = to_lattice_coordinates(lattice, to_values(lattice))
+    coordinates = to_lattice_coordinates(lattice, to_coefficients(to_values(lattice)))
     assert np.abs(coordinates - lattice.integers).max() < 1e-10
 
 

@@ -4,7 +4,7 @@ import motions
 import numpy as np
 import pytest
 
-from geomstats_anim.codec.lattice import to_values
+from geomstats_anim.codec.lattice import to_coefficients, to_values
 from geomstats_anim.codec.packer import Packer
 from geomstats_anim.codec.search import EFFORTS, largest_errors, search
 from geomstats_anim.codec.stream import Header
@@ -19,7 +19,7 @@ def started(animation, scales):
     packer = Packer(animation, header, Markers.of_shell(animation), 0.01, 1e-3, {}, "full")
     turns = np.zeros(animation.n_joints, dtype=np.intp)
     values = packer.values(animation, turns, packer.others)
-    lattice, _ = packer.rounded(values, packer.steps[0])
+    lattice, _ = packer.rounded(to_coefficients(values), packer.steps[0])
     return lattice, packer.pose(animation, turns, values, lattice)
 
 
