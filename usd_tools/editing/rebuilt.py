@@ -101,7 +101,10 @@ class RebuiltMotion:
         return new
 
     def following(self, state: EditState, effort: Effort = "thorough") -> RebuiltMotion:
-        """Rebuild motion for another state, and of this motion take what both share."""
+        """Rebuild motion for another state, and of this motion take what both share.
+
+        A preview gives its arrays to the next motion, and is of no use then: copying them takes longest in long clips.
+        """
         if state is self.state and effort in (self.effort, "quick"):
             return self
         if state.metric.scheme != self.state.metric.scheme or not np.array_equal(state.is_key, self.state.is_key):
@@ -113,7 +116,7 @@ class RebuiltMotion:
             state=state,
             effort=effort,
             curves=tuple(curve.with_metric(state.metric, effort) for curve in self._geodesics),
-            **{name: getattr(self, name).copy() for name in _ARRAYS},
+            **{name: getattr(self, name) if self.effort == "quick" else getattr(self, name).copy() for name in _ARRAYS},
         )
         turned, moved = new._take_changes(self)
         new._place(turned, np.union1d(turned, moved))
@@ -135,6 +138,8 @@ class RebuiltMotion:
     def errors(self) -> EditErrors:
         """Distances from the original, where the clip has samples."""
         frames = self.motion.sampled
+        if len(frames) == len(self.degrees):
+            return EditErrors(frames, self.degrees, self.centimetres)
         return EditErrors(frames, self.degrees[frames], self.centimetres[frames])
 
     @property

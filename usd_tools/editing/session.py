@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from geomstats_anim import Animation, LearnedMetric, Skeleton, learn_metric
+from geomstats_anim import rotations as quat
 from geomstats_anim.geodesics.shortest import Effort
 from geomstats_anim.interpolation.curves import Fallback
 from geomstats_anim.markers import joint_matrices
@@ -208,6 +209,8 @@ class EditSession:
     def drag(self, *edits: Edit) -> None:
         """Preview edits over what is applied, in place of those dragged before.
 
+        Arrays of a preview, such as its poses, are changed by the next edit: copy what is to last.
+
         Raises
         ------
         ToolError
@@ -270,6 +273,11 @@ class EditSession:
     def errors(self, name: str = "ours") -> EditErrors:
         """Measure how far "ours" or "slerp" is from the original, by frame and joint."""
         return self._rebuilt(name).errors
+
+    def angles(self, name: str, joint: int) -> Array:
+        """Measure how far a joint of a motion is turned from its rest pose at the frames, shape=[F], degrees."""
+        rotations = self._motion.original.rotations if name == "original" else self._rebuilt(name).rotations
+        return np.degrees(quat.distance(rotations[:, joint], self.skeleton.rest_rotations[joint]))
 
     def learn(self, progress: ProgressCallback | None = None, **settings: Any) -> None:
         """Learn a metric for the present keys, and apply it as an edit; see `learned`."""

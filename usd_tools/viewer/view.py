@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomstats_anim import Animation
-from geomstats_anim import rotations as quat
 from usd_tools.characters.body import Body, body_of, bounds
 from usd_tools.console.text import counted
 from usd_tools.editing.session import EditSession
@@ -123,11 +122,7 @@ class View:
             errors[name] = np.interp(session.times, session.times[found.frames], column)
         self._timeline.draw(self._timeline.error, session.times, errors, self.key_frames, frame)
         if joint is not None:
-            rest = session.skeleton.rest_rotations[joint]
-            angles = {
-                name: np.degrees(quat.distance(session.motion(name).rotations[:, joint], rest))
-                for name in (ORIGINAL, OURS)
-            }
+            angles = {name: session.angles(name, joint) for name in (ORIGINAL, OURS)}
             self._timeline.draw(self._timeline.angle, session.times, angles, self.key_frames, frame)
 
 

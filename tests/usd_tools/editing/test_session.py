@@ -10,6 +10,7 @@ from pxr import Usd, UsdGeom
 from rigs import ANIMATION, bits, make_rig, random_rotations, read
 
 from geomstats_anim import LearnedMetric, interpolate
+from geomstats_anim import rotations as quat
 from geomstats_anim.kinematics import world_pose
 from geomstats_anim.names import OWN_SCHEMES, WITH_METRIC
 from usd_tools.console.errors import ToolError
@@ -411,3 +412,29 @@ def test_edits_are_saved_beside_the_output(session, tmp_path):
     assert again.edits == session.edits
     with pytest.raises(ToolError, match="none.json"):
         read_session(tmp_path / "none.json")
+
+
+def test_previews_leave_nothing_behind(session):
+    session.apply(EveryNth(9))
+    start = {name: getattr(session.motion(), name).copy() for name in ("rotations", "translations")}
+    poses, errors = session.poses().copy(), session.errors().centimetres.copy()
+    for joint in ("hips", "*LeftArm", "*RightArm"):
+        for value in (2.0, 4.0):
+            session.drag(Style(joint, alpha=value, translation_tension=0.2))
+            session.poses()
+    other = EditSession.open(session.path)
+    other.apply(EveryNth(9), Style("*RightArm", alpha=4.0, translation_tension=0.2))
+    np.testing.assert_allclose(session.poses(), other.poses(), atol=1e-9)
+    np.testing.assert_allclose(session.errors().degrees, other.errors().degrees, atol=1e-6)
+    session.cancel()
+    np.testing.assert_array_equal(session.poses(), poses)
+    np.testing.assert_array_equal(session.errors().centimetres, errors)
+    for name, values in start.items():
+        np.testing.assert_array_equal(getattr(session.motion(), name), values)
+
+
+def test_angles_are_those_from_the_rest_pose(session):
+    session.apply(EveryNth(7))
+    for name in ("ours", "original", "slerp"):
+        turns = quat.distance(session.motion(name).rotations[:, 1], session.skeleton.rest_rotations[1])
+        np.testing.assert_array_equal(session.angles(name, 1), np.degrees(turns))
