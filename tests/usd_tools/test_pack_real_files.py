@@ -16,7 +16,7 @@ from usd_tools.skel.resampling import animation_of
 STRANGERS = sorted(path.name for path in (SHARED / "strangers").glob("*.usd*")) if SHARED.is_dir() else []
 FILES = [name for name, row in TABLE.items() if row.downsample is None] + [f"strangers/{name}" for name in STRANGERS]
 CAPTURED = ["12_01_walk_pybvh", "124_01", "animateddrawings_jumping_jacks", "animateddrawings_dab"]
-LIBRARY = ["01/01_01.usdc", "bandai/run_happy_001.usdc"]
+LIBRARY = ["bandai/run_happy_001.usdc"]
 TOLERANCE = 1.0
 
 

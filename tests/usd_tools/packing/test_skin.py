@@ -28,7 +28,7 @@ def source(tmp_path):
     return tmp_path / "in.usda"
 
 
-@pytest.mark.parametrize("tolerance", [1.0, 0.1])
+@pytest.mark.parametrize("tolerance", [1.0, pytest.param(0.1, marks=pytest.mark.slow)])
 def test_every_vertex_is_within_the_tolerance(source, tmp_path, tolerance):
     packed, back = tmp_path / "packed.usdc", tmp_path / "back.usda"
 
