@@ -243,6 +243,12 @@ def _add_choice(parse: ArgumentParser) -> None:
 
 def _add_metric(parse: ArgumentParser) -> None:
     parse.add_argument(
+        "--contacts",
+        action="store_true",
+        help="store what is planted on the ground, such as feet, and when, so that upsample --contacts also knows it "
+        "between the samples that are kept",
+    )
+    parse.add_argument(
         "--scheme",
         choices=OWN_SCHEMES,
         default=DEFAULT_SCHEME,

@@ -41,8 +41,8 @@ _NEARLY_NONE = 1e-9
 
 _ITERATIONS = 8
 
-_ENOUGH = 3e-3
-"""Radians: the last step, after which the next would be a thousand times smaller."""
+_ENOUGH = 1e-2
+"""Radians: the last step; the next would be its square."""
 
 _CHUNK = 512
 """Frames that are solved for together."""
@@ -66,8 +66,8 @@ class Body:
         Which of them move which points.
     root : int
         Which of them moves with the whole body.
-    costs : array-like, shape=[J, 3, 3]
-        Inverse metrics.
+    units : array-like, shape=[J, 3, 3]
+        Turns that cost one: L in the inverse L L^T of each metric.
     is_right : array-like of bool, shape=[J]
         Whose metric is right-invariant.
     moves_root : bool
@@ -81,7 +81,7 @@ class Body:
     points: np.ndarray
     is_above: np.ndarray
     root: int
-    costs: Array
+    units: Array
     is_right: np.ndarray
     moves_root: bool
     size: float
@@ -103,7 +103,7 @@ class Body:
             np.searchsorted(joints, points),
             is_above[:, joints],
             int(travels.argmax()),
-            np.linalg.inv(parameters.at(joints).matrices) * lighter[:, None, None],
+            np.linalg.cholesky(np.linalg.inv(parameters.at(joints).matrices) * lighter[:, None, None]),
             parameters.is_right[joints],
             moves_root,
             body_size(joint_matrices(keys)[..., 3]) or BODY,
@@ -134,27 +134,26 @@ class Body:
     def _solved(self, frames: np.ndarray, goals: Array, weights: Array) -> tuple[Array, Array]:
         motion = self.dense.at_frames(frames)
         rotations, translations = np.array(motion.rotations), np.array(motion.translations)
-        costs, root_costs = self._costs(frames, rotations)
+        units, root_units = self._units(frames, rotations)
         softness = self.size**2 * (_SOFT * (1.0 - weights) / np.maximum(weights, _NEARLY_NONE) + _DAMPING)
         softness = np.repeat(softness, 3, axis=1)
         matrices, forces = joint_matrices(motion), np.zeros_like(softness)
         for _ in range(_ITERATIONS):
-            by_turns, by_root = self._derivative(matrices, motion.world)
+            spread = self._derivative(matrices, motion.world, units, root_units)
             missing = (goals - matrices[..., 3][:, self.points]).reshape(len(frames), -1)
-            spread, root_spread = _weighted(by_turns, costs), root_costs[:, None, None] * by_root
-            normal = spread @ by_turns.swapaxes(1, 2) + root_spread @ by_root.swapaxes(1, 2)
-            added = _solve(normal, softness, missing - softness * forces)
-            turns = (added[:, None] @ spread).reshape(*rotations.shape[:2], 3)
+            added = _solve(spread @ spread.swapaxes(1, 2), softness, missing - softness * forces)
             forces += added
+            moves = (added[:, None] @ spread).reshape(len(frames), -1, 3)
+            turns = (units @ moves[:, :-1, :, None])[..., 0]
             rotations = quat.multiply(rotations, quat.exp(turns))
-            translations[:, self.root] += (added[:, None] @ root_spread)[:, 0]
+            translations[:, self.root] += root_units[:, None] * moves[:, -1]
             if np.abs(turns).max(initial=0.0) < _ENOUGH:
                 break
             place_some(motion, rotations, translations, np.arange(len(self.joints)), matrices)
         return rotations, translations
 
-    def _costs(self, frames: np.ndarray, rotations: Array) -> tuple[Array, Array]:
-        """Return inverse metrics in the frames of the joints, shape=[F, J, 3, 3], and that of the root, shape=[F].
+    def _units(self, frames: np.ndarray, rotations: Array) -> tuple[Array, Array]:
+        """Return moves that cost one: turns in the frames of the joints, shape=[F, J, 3, 3], and that of the root.
 
         What rests from a key to the next is not free there, and comes to be so in the segments beside.
         """
@@ -163,29 +162,29 @@ class Body:
         turn = quat.distance(keys.rotations[1:], keys.rotations[:-1]) >= STILL
         path = (keys.translations[1:, self.root] != keys.translations[:-1, self.root]).any(axis=-1)
         free = _freedom(np.concatenate([turn, path[:, None] & self.moves_root], axis=1), segment, fraction)
-        costs = np.broadcast_to(self.costs, (len(frames), *self.costs.shape)).copy()
+        units = free[:, :-1, None, None] * self.units
         right = np.flatnonzero(self.is_right)
         if len(right):
-            turned = quat.to_matrix(rotations[:, right])
-            costs[:, right] = turned.swapaxes(-1, -2) @ self.costs[right] @ turned
-        return costs * free[:, :-1, None, None], (_ROOT * self.size) ** 2 * free[:, -1]
+            units[:, right] = quat.to_matrix(rotations[:, right]).swapaxes(-1, -2) @ units[:, right]
+        return units, _ROOT * self.size * free[:, -1]
 
-    def _derivative(self, matrices: Array, world: Array | None) -> tuple[Array, Array]:
-        """Return how points move with the turns, shape=[F, 3 P, 3 J], and with the root, shape=[F, 3 P, 3]."""
+    def _derivative(self, matrices: Array, world: Array | None, units: Array, root_units: Array) -> Array:
+        """Return how points move with the units of the joints' turns, and of the root, shape=[F, 3 P, 3 J + 3]."""
         axes, origins = matrices[..., :3], matrices[..., 3]
-        lengths = np.linalg.norm(axes, axis=-2, keepdims=True)
-        axes = axes / np.where(lengths > 0.0, lengths, 1.0)
+        if self.dense.scales is not None or world is not None:
+            lengths = np.linalg.norm(axes, axis=-2, keepdims=True)
+            axes = axes / np.where(lengths > 0.0, lengths, 1.0)
         arms = (origins[:, self.points, None] - origins[:, None]) * self.is_above[..., None]  # shape=[F, P, J, 3]
+        moved = np.empty((len(matrices), len(self.points), 3, len(self.joints) + 1, 3))
         # a turn w of a joint moves a point by (axes w) x arm
-        x, y, z = (axes[:, None, :, k] for k in range(3))
+        x, y, z = ((axes @ units)[:, None, :, k] for k in range(3))
         u, v, w = (arms[..., k, None] for k in range(3))
-        by_turns = np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=2)
+        for k, (plus, minus) in enumerate(((y * w, z * v), (z * u, x * w), (x * v, y * u))):
+            np.subtract(plus, minus, out=moved[:, :, k, :-1])
         parent = self.dense.skeleton.parents[self.root]
         placed = matrices[:, parent, :, :3] if parent >= 0 else np.eye(3)[None] if world is None else world[:, :, :3]
-        by_root = placed[:, None] * self.is_above[:, self.root, None, None]
-        n_frames, n_rows = len(matrices), 3 * len(self.points)
-        by_root = np.broadcast_to(by_root, (n_frames, len(self.points), 3, 3))
-        return by_turns.reshape(n_frames, n_rows, -1), by_root.reshape(n_frames, n_rows, 3)
+        moved[:, :, :, -1] = (root_units[:, None, None] * placed)[:, None] * self.is_above[:, self.root, None, None]
+        return moved.reshape(len(matrices), 3 * len(self.points), -1)
 
 
 def _ancestors(skeleton: Skeleton, joints: np.ndarray) -> np.ndarray:
@@ -220,13 +219,6 @@ def _solve(normal: Array, softness: Array, vectors: Array) -> Array:
     diagonal += softness
     scale = 1.0 / np.sqrt(diagonal)
     return scale * np.linalg.solve(scale[:, :, None] * normal * scale[:, None], (scale * vectors)[..., None])[..., 0]
-
-
-def _weighted(by_turns: Array, costs: Array) -> Array:
-    """Multiply derivatives, shape=[F, 3 P, 3 J], by a matrix for each joint, shape=[F, J, 3, 3]."""
-    n_frames, n_rows, n_columns = by_turns.shape
-    blocks = by_turns.reshape(n_frames, n_rows, -1, 3).swapaxes(1, 2) @ costs
-    return blocks.swapaxes(1, 2).reshape(n_frames, n_rows, n_columns)
 
 
 def smooth(share: Array) -> Array:

@@ -63,6 +63,8 @@ class DownsampleOptions(OutputOptions):
     kind : str
         Criterion of `rate`, `keys` and `keep_only`: "loc", "rot", "hyb" or "max".
         Optional, default: "hyb".
+    contacts : bool
+        Store what is planted on the ground, and when, for `upsample --contacts`.
     picture : Path
         Picture of the samples kept, .png, .svg or .pdf.
         Optional, default: none.
@@ -80,6 +82,7 @@ class DownsampleOptions(OutputOptions):
     scheme: str = option(DEFAULT_SCHEME, one_of(OWN_SCHEMES))
     family: str | None = option(None, one_of(FAMILIES))
     kind: str | None = option(None, one_of(CRITERIA))
+    contacts: bool = option(False, bool)
     picture: Path | None = option(None, Path, recorded=False)
 
     def check(self) -> None:

@@ -15,6 +15,7 @@ from geomstats_anim.keyframes.problem import KeyProblem, by_halving
 from geomstats_anim.learning.compression import Compressed
 from geomstats_anim.markers import Markers, world_errors
 from geomstats_anim.names import LARGEST
+from usd_tools.characters.planted import contacts_to_store
 from usd_tools.console.errors import Messages, ToolError
 from usd_tools.console.progress import SearchProgress
 from usd_tools.downsampling.measure import Measure
@@ -27,6 +28,7 @@ from usd_tools.metrics.explain import BY_JOINT, errors_by_joint
 from usd_tools.skel.clip import SkelClip, read_clip
 from usd_tools.skel.find import find_animations
 from usd_tools.skel.resampling import animation_of
+from usd_tools.skel.stored_contacts import StoredContacts
 from usd_tools.skel.stored_metric import stored_metric
 from usd_tools.skel.time_codes import codes_for, left_sparse
 
@@ -62,6 +64,8 @@ class DownsampledClip:
     measure : Measure
     weights_error : float or None
         Largest error of the weights of blend shapes, rebuilt; None if they never change.
+    contacts : StoredContacts or None
+        What is planted on the ground; None if it is not to be stored.
     """
 
     selection: SampleSelection
@@ -75,6 +79,7 @@ class DownsampledClip:
     skeleton_paths: tuple[str, ...]
     measure: Measure
     weights_error: float | None
+    contacts: StoredContacts | None
 
     @property
     def clip(self) -> SkelClip:
@@ -171,6 +176,7 @@ def downsample_clip(
         skeletons,
         measure,
         _weights_error(selection, dense),
+        contacts_to_store(clip, animations) if options.contacts else None,
     )
 
 

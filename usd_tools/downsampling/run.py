@@ -101,7 +101,7 @@ def _downsampled(
 
 def _write(layer: AnimationLayer, clips: Sequence[DownsampledClip], _as_text: bool, messages: Messages) -> None:
     for each in clips:
-        write_sparse(layer, each.clip, each.sparse, each.metric if each.clip.joints else None, messages)
+        write_sparse(layer, each.clip, each.sparse, each.metric if each.clip.joints else None, messages, each.contacts)
 
 
 def _described(

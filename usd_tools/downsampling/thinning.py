@@ -18,6 +18,7 @@ from usd_tools.downsampling.weights import WEIGHTS
 from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.resampling import animation_of, resample, with_codes, without_cuts
+from usd_tools.skel.stored_contacts import StoredContacts
 from usd_tools.skel.writer import AnimationLayer
 
 THINNED = ("rotations", "translations")
@@ -153,7 +154,12 @@ def restored(
 
 
 def write_sparse(
-    layer: AnimationLayer, clip: SkelClip, sparse: SkelClip, metric: LearnedMetric | None, messages: Messages
+    layer: AnimationLayer,
+    clip: SkelClip,
+    sparse: SkelClip,
+    metric: LearnedMetric | None,
+    messages: Messages,
+    contacts: StoredContacts | None = None,
 ) -> None:
     """Write a clip with few of its samples, and where the others were.
 
@@ -166,11 +172,14 @@ def write_sparse(
     metric : LearnedMetric
         That rebuilds the others; None if there are no joints.
     messages : Messages
+    contacts : StoredContacts
+        What is planted in the clip.
+        Optional, default: nothing is said of that.
     """
     sampled = {name: channel for name, channel in sparse.channels.items() if len(channel.codes)}
     constant = {name: channel.default for name, channel in sparse.channels.items() if name not in sampled}
     defaults = {**clip.missing, **constant}
-    layer.write_animation(clip.source, sampled, defaults, metric, messages, clip.codes, clip.cuts)
+    layer.write_animation(clip.source, sampled, defaults, metric, messages, clip.codes, clip.cuts, contacts=contacts)
 
 
 @dataclass(frozen=True, eq=False)

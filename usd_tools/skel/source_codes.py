@@ -21,11 +21,15 @@ class SourceCodes(NamedTuple):
         Time codes on both sides of each cut.
     n_found : int
         How many samples of the sparse animation are among `codes`.
+    n_before, n_all : int
+        How many samples the source has before `codes`, and all in all.
     """
 
     codes: np.ndarray
     cuts: np.ndarray
     n_found: int
+    n_before: int
+    n_all: int
 
 
 def stored_source_codes(prim: Usd.Prim, samples: np.ndarray) -> SourceCodes | None:
@@ -53,7 +57,8 @@ def stored_source_codes(prim: Usd.Prim, samples: np.ndarray) -> SourceCodes | No
     found = [_n_among(samples, each) for each in candidates]
     best = int(np.argmax(found))
     codes = candidates[best]
-    return SourceCodes(codes[(codes >= first) & (codes <= last)], codes[cuts], found[best])
+    inside = (codes >= first) & (codes <= last)
+    return SourceCodes(codes[inside], codes[cuts], found[best], int((codes < first).sum()), len(codes))
 
 
 def _n_among(samples: np.ndarray, codes: np.ndarray) -> int:

@@ -34,6 +34,7 @@ from usd_tools.skel.find import AnimationSource
 from usd_tools.skel.instancing import editable_paths, give_up_instances
 from usd_tools.skel.packed import StoredStream, remove_packed, write_packed
 from usd_tools.skel.replaced import home_of, replaced_samples
+from usd_tools.skel.stored_contacts import StoredContacts, hide_contacts, write_contacts
 from usd_tools.skel.unpacked import write_op
 
 MADE_BY = "geomstats_anim"
@@ -93,6 +94,7 @@ class AnimationLayer:
         keeps_samples: bool = True,
         packed: StoredStream | None = None,
         euler: str | None = None,
+        contacts: StoredContacts | None = None,
     ) -> None:
         """Write the samples of an animation, all of them: one sample here hides every sample below.
 
@@ -121,6 +123,9 @@ class AnimationLayer:
         euler : str
             Order of Euler angles that rotations are written as too, see `write_euler`.
             Optional, default: they are not.
+        contacts : StoredContacts
+            Of a sparse animation: what is planted in its source.
+            Optional, default: nothing is said of that.
         """
         for path in editable_paths(self, source, messages):
             spec = self.prim(path)
@@ -143,8 +148,11 @@ class AnimationLayer:
                 write_metric(spec, metric, hide_axes=bool(axes) and axes.HasAuthoredValue())
             if source_codes is not None:
                 write_source_codes(spec, source_codes, source_cuts)
+                hide_contacts(spec, source.prim)
             elif not keeps_samples and source.prim.HasAttribute(SOURCE_CODES):
                 hide_source_codes(spec)
+            if contacts is not None:
+                write_contacts(spec, contacts)
         if metric is not None:
             for skeleton in source.skeletons:
                 for prim in carriers(skeleton)[:2]:

@@ -9,19 +9,19 @@ import numpy as np
 
 from geomstats_anim import Animation
 from geomstats_anim import rotations as quat
-from geomstats_anim.contacts import Planted, Plants, find_contacts, plant
+from geomstats_anim.contacts import Planted, Plants, plant
 from geomstats_anim.markers import joint_matrices
 from usd_tools.characters.placement import placed
+from usd_tools.characters.planted import found_plants, stored_plants
 from usd_tools.console.errors import Messages
 from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.resampling import signs_towards
-from usd_tools.skel.vertical import up_in_world
 from usd_tools.upsampling.result import KeptContacts
 from usd_tools.upsampling.summary import UpsampledClip
 
 REACH = 10.0
-"""Centimetres by which a point is moved at most, where only keys say that it is planted."""
+"""Centimetres by which a point is moved at most, where only samples tell that it is planted."""
 
 _NEAR = 1e-7
 """Seconds by which two samples are the same."""
@@ -37,7 +37,7 @@ class _Stretch:
 
 
 class ClipContacts:
-    """The points of a clip that are planted, as its samples tell.
+    """The points of a clip that are planted, as the file says, or else as its samples tell.
 
     Parameters
     ----------
@@ -50,18 +50,19 @@ class ClipContacts:
 
     def __init__(self, clip: SkelClip, reach: float | None, messages: Messages) -> None:
         self.clip = clip
-        self._reach = 0.01 * (REACH if reach is None else reach)
         self._names = _joint_channels(clip)
         problem = _problem(clip, self._names)
         if problem is not None:
             messages.warn(f"{clip.path}: {problem}; --contacts changes nothing there.")
-        self._stretches = [] if problem is not None else self._found()
+        stored = stored_plants(clip)
+        self._reach = 0.01 * reach if reach is not None else 0.01 * REACH if stored is None else np.inf
+        self._stretches = [] if problem is not None else self._found(stored)
 
-    def _found(self) -> list[_Stretch]:
-        up, stretches = up_in_world(self.clip), []
+    def _found(self, stored: Plants | None) -> list[_Stretch]:
+        stretches = []
         for span, motion in self.clip.stretches(self._names):
             keys = placed(self.clip, motion)
-            plants = Plants.of(find_contacts(keys, up), keys).through_keys(keys)
+            plants = (found_plants(self.clip, motion) if stored is None else stored).through_keys(keys)
             if plants.number:
                 stretches.append(_Stretch(span, keys, plants))
         return stretches

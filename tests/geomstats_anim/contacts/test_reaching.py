@@ -20,7 +20,7 @@ def test_the_correction_is_the_smallest_to_second_order():
     rotations, translations = body.reached(frames, goal, np.ones((1, 1)))
     base = part.rotations[frames]
     found = quat.difference(base, rotations)[0]
-    costs = body.costs  # all of this chain turn, so all are free
+    costs = body.units @ body.units.swapaxes(-1, -2)  # all of this chain turn, so all are free
 
     def cost(vector):
         turns = vector.reshape(-1, 3)
