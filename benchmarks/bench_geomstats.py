@@ -17,7 +17,16 @@ from geomstats.geometry.special_orthogonal import SpecialOrthogonal
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "geomstats_anim"))
 
-from geomstats_cases import ESTIMATORS, HERE, METHODS, problem  # noqa: E402
+from geomstats_cases import (  # noqa: E402
+    CALLS,
+    ESTIMATORS,
+    HERE,
+    METHODS,
+    MODELS,
+    SPACE_METHODS,
+    estimator_method,
+    problem,
+)
 
 N_BONES, N_POSES = 24, 30
 PATIENCE = 3
@@ -88,23 +97,52 @@ def stock_class(name):
     return getattr(__import__(f"{learning.__name__}.{STOCK_MODULES[name]}", fromlist=[name]), name)
 
 
-def main():
-    """Print both tables."""
-    warnings.simplefilter("ignore")
-    logging.disable(logging.WARNING)
-    ours = problem(N_BONES, N_POSES)
-    stock = stock_problem(ours)
+def print_estimators(ours, stock):
+    """Print the table of estimators."""
     print("estimator | on poses | time | stock")
     for name, run in ESTIMATORS.items():
         here = HERE.get(name)
         mine = measured(lambda run=run, here=here: run(ours, here))
         other = measured(lambda run=run, name=name: run(stock, stock_class(name)))
         print(f"{name} | {'no' if mine == 'fails' else 'here' if here else 'works'} | {mine} | {other}", flush=True)
-    print("\nmethod | on poses | time | stock")
-    for name, run in METHODS.items():
+
+
+def print_estimator_methods(ours):
+    """Print the table of the methods of estimators, fit included."""
+    print("\nmethod, after a fit | on poses | time of both")
+    for name in MODELS:
+        promised = stock_class(name) or type(MODELS[name](ours, None)[0])
+        for method in CALLS:
+            if hasattr(promised, method):
+                run = estimator_method(name, method)
+                mine = measured(lambda run=run, name=name: run(ours, HERE.get(name)))
+                word = "no" if mine == "fails" else "here" if name in HERE else "works"
+                print(f"{name}.{method} | {word} | {mine}", flush=True)
+
+
+def print_methods(title, methods, ours, stock, prefix=""):
+    """Print a table of methods of the metric or of the space."""
+    print(f"\n{title} | on poses | time | stock")
+    for name, run in methods.items():
         mine = measured(lambda run=run: run(ours))
         other = measured(lambda run=run: run(stock))
-        print(f"``{name}`` | {'no' if mine == 'fails' else 'works'} | {mine} | {other}", flush=True)
+        print(f"``{prefix}{name}`` | {'no' if mine == 'fails' else 'works'} | {mine} | {other}", flush=True)
+
+
+def main():
+    """Print the tables that are named, or all."""
+    warnings.simplefilter("ignore")
+    logging.disable(logging.WARNING)
+    ours = problem(N_BONES, N_POSES)
+    stock = stock_problem(ours)
+    tables = {
+        "estimators": lambda: print_estimators(ours, stock),
+        "estimator-methods": lambda: print_estimator_methods(ours),
+        "metric": lambda: print_methods("method", METHODS, ours, stock),
+        "space": lambda: print_methods("method", SPACE_METHODS, ours, stock, "space."),
+    }
+    for name in sys.argv[1:] or tables:
+        tables[name]()
 
 
 if __name__ == "__main__":

@@ -193,6 +193,24 @@ class KNearestNeighborsClassifier(_OnDistances):
         self.space = space
         self.n_neighbors, self.weights = n_neighbors, weights
 
+    def kneighbors(self, X: Any, n_neighbors: int | None = None, return_distance: bool = True) -> Any:
+        """Return the distances and indices, shape=[n_samples, n_neighbors] each, of the nearest training points.
+
+        Parameters
+        ----------
+        X : array-like, shape=[n_samples, *space.shape]
+        n_neighbors : int
+            Optional, default: that of the classifier.
+        return_distance : bool
+            Whether to return the distances, and not the indices alone.
+            Optional, default: True.
+        """
+        return self._fitted.kneighbors(self._distances(X), n_neighbors, return_distance)
+
+    def kneighbors_graph(self, X: Any, n_neighbors: int | None = None, mode: str = "connectivity") -> Any:
+        """Return the nearest training points as a sparse matrix of ones, or of distances; see `kneighbors`."""
+        return self._fitted.kneighbors_graph(self._distances(X), n_neighbors, mode)
+
     def _classifier(self) -> Any:
         return KNeighborsClassifier(self.n_neighbors, weights=self.weights, metric="precomputed", algorithm="brute")
 
@@ -227,6 +245,24 @@ class KernelDensityEstimationClassifier(_OnDistances):
     ) -> None:
         self.space = space
         self.radius, self.kernel, self.bandwidth, self.outlier_label = radius, kernel, bandwidth, outlier_label
+
+    def radius_neighbors(self, X: Any, radius: float | None = None, return_distance: bool = True) -> Any:
+        """Return the distances and indices of the training points within a radius, an array for each point.
+
+        Parameters
+        ----------
+        X : array-like, shape=[n_samples, *space.shape]
+        radius : float
+            Optional, default: that of the classifier.
+        return_distance : bool
+            Whether to return the distances, and not the indices alone.
+            Optional, default: True.
+        """
+        return self._fitted.radius_neighbors(self._distances(X), radius, return_distance)
+
+    def radius_neighbors_graph(self, X: Any, radius: float | None = None, mode: str = "connectivity") -> Any:
+        """Return the training points within a radius as a sparse matrix of ones, or of distances."""
+        return self._fitted.radius_neighbors_graph(self._distances(X), radius, mode)
 
     def _classifier(self) -> Any:
         return RadiusNeighborsClassifier(

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from geomstats.geometry.special_orthogonal import SpecialOrthogonal
 from geomstats.learning.aac import AAC
 from geomstats.learning.expectation_maximization import RiemannianEM
 from geomstats.learning.exponential_barycenter import ExponentialBarycenter
@@ -18,7 +19,7 @@ from geomstats.learning.online_kmeans import OnlineKMeans
 from geomstats.learning.pca import ExactPGA
 from geomstats.learning.riemannian_mean_shift import RiemannianMeanShift
 
-from geomstats_anim import MetricParameters, PoseMetric, PoseSpace
+from geomstats_anim import MetricParameters, PoseMetric, PoseSpace, SO3InvariantMetric
 from geomstats_anim.riemannian import estimators, regression
 
 
@@ -44,14 +45,29 @@ def problem(n_bones=3, n_poses=12):
     random.seed(0)
     parameters = MetricParameters(np.full(n_bones, 2.0), np.full(n_bones, 0.5))
     space = PoseSpace(n_bones, equip=False).equip_with_metric(PoseMetric, parameters=parameters)
-    labels = np.arange(n_poses) % 2
+    return _around_two_centers(rng, space, n_poses)
+
+
+def _around_two_centers(rng, space, n_points):
+    labels = np.arange(n_points) % 2
     first = space.random_point()
     second = space.metric.exp(space.metric.from_coordinates(np.full(space.dim, 0.3), first), first)
     centers = np.stack([first, second])[labels]
-    noise = space.metric.from_coordinates(0.05 * rng.normal(size=(n_poses, space.dim)), centers)
+    noise = space.metric.from_coordinates(0.05 * rng.normal(size=(n_points, space.dim)), centers)
     points = space.metric.exp(noise, centers)
     vectors = space.metric.from_coordinates(0.1 * rng.normal(size=(3, space.dim)), points[0])
-    return Problem(space, points, labels, np.linspace(0.0, 1.0, n_poses), vectors)
+    return Problem(space, points, labels, np.linspace(0.0, 1.0, n_points), vectors)
+
+
+def rotations_problem(n_points=12):
+    """Rotations around two centers, with a full matrix that is right-invariant."""
+    rng = np.random.default_rng(0)
+    np.random.seed(0)
+    random.seed(0)
+    matrix = np.array([[2.0, 0.5, 0.1], [0.5, 1.0, 0.0], [0.1, 0.0, 4.0]])
+    space = SpecialOrthogonal(3, equip=False)
+    space.equip_with_metric(SO3InvariantMetric, metric_mat_at_identity=matrix, left=False)
+    return _around_two_centers(rng, space, n_points)
 
 
 def _prior(p):
@@ -97,6 +113,79 @@ ESTIMATORS = {
     "AAC": lambda p, _: AAC(p.space, estimate="frechet_mean").fit(p.points),
 }
 """What a row of the table does; it takes a problem, and the class where it is one of `HERE`."""
+
+
+MODELS = {
+    "FrechetMean": lambda p, _: (FrechetMean(p.space), p.points, None),
+    "IncrementalFrechetMean": lambda p, _: (IncrementalFrechetMean(p.space), p.points, None),
+    "ExponentialBarycenter": lambda p, _: (ExponentialBarycenter(p.space), p.points, None),
+    "GeometricMedian": lambda p, _: (GeometricMedian(p.space), p.points, None),
+    "TangentPCA": lambda p, e: (e(p.space, n_components=2), p.points, None),
+    "ToTangentSpace": lambda p, e: (e(p.space), p.points, None),
+    "RiemannianKMeans": lambda p, _: (RiemannianKMeans(p.space, 2, init="kmeans++"), p.points, None),
+    "RiemannianKMedoids": lambda p, _: (RiemannianKMedoids(p.space, 2), p.points, None),
+    "OnlineKMeans": lambda p, _: (OnlineKMeans(p.space, 2, max_iter=20), p.points, None),
+    "RiemannianMeanShift": lambda p, _: (RiemannianMeanShift(p.space, 1.0), p.points, None),
+    "AgglomerativeHierarchicalClustering": lambda p, e: (e(p.space), p.points, None),
+    "KNearestNeighborsClassifier": lambda p, e: (e(p.space), p.points, p.labels),
+    "KernelDensityEstimationClassifier": lambda p, e: (e(p.space), p.points, p.labels),
+    "RiemannianMinimumDistanceToMean": lambda p, _: (RiemannianMinimumDistanceToMean(p.space), p.points, p.labels),
+    "GeodesicRegression": lambda p, e: (e(p.space), p.times, p.points),
+    "WrappedGaussianProcess": lambda p, e: (
+        e(p.space, prior=_prior(p)).set(optimizer=None),
+        p.times[:, None],
+        p.points,
+    ),
+}
+"""An estimator, and what it is fitted to."""
+
+CALLS = {
+    "fit": lambda model, x: model,
+    "fit_predict": lambda model, x: model.fit_predict(x),
+    "fit_transform": lambda model, x, y: model.fit_transform(x) if y is None else model.fit_transform(x, y),
+    "transform": lambda model, x: model.transform(x),
+    "inverse_transform": lambda model, x: model.inverse_transform(model.transform(x)),
+    "predict": lambda model, x: model.predict(x),
+    "predict_proba": lambda model, x: model.predict_proba(x),
+    "score": lambda model, x, y: model.score(x, y),
+    "sample_y": lambda model, x: model.sample_y(x, n_samples=2),
+    "kneighbors": lambda model, x: model.kneighbors(x)[0],
+    "kneighbors_graph": lambda model, x: model.kneighbors_graph(x).toarray(),
+    "radius_neighbors": lambda model, x: model.radius_neighbors(x)[0],
+    "radius_neighbors_graph": lambda model, x: model.radius_neighbors_graph(x).toarray(),
+}
+"""What a method is called with, after the fit."""
+
+
+def estimator_method(name, method):
+    """Return a function of a problem, and the class where it is one of `HERE`, that calls a method."""
+
+    def run(p, e):
+        model, x, y = MODELS[name](p, e)
+        fitted = model.fit(x) if y is None else model.fit(x, y)
+        values = CALLS[method](fitted, x, y) if method in ("score", "fit_transform") else CALLS[method](fitted, x)
+        return 0.0 if values is fitted else values
+
+    return run
+
+
+SPACE_METHODS = {
+    "belongs": lambda p: p.space.belongs(p.points),
+    "is_tangent": lambda p: p.space.is_tangent(p.tangent_vecs, p.base),
+    "to_tangent": lambda p: p.space.to_tangent(p.points, p.base),
+    "projection": lambda p: p.space.projection(p.points + 0.01),
+    "regularize": lambda p: p.space.regularize(p.points),
+    "random_point": lambda p: p.space.random_point(3),
+    "random_tangent_vec": lambda p: p.space.random_tangent_vec(p.base, 3),
+    "identity": lambda p: p.space.identity,
+    "compose": lambda p: p.space.compose(p.points, p.base),
+    "inverse": lambda p: p.space.inverse(p.points),
+    "exp": lambda p: p.space.exp(p.tangent_vecs, p.base),
+    "log": lambda p: p.space.log(p.points, p.base),
+    "lie_bracket": lambda p: p.space.lie_bracket(p.tangent_vecs[0], p.tangent_vecs[1], p.base),
+    "tangent_translation_map": lambda p: p.space.tangent_translation_map(p.base, inverse=True)(p.tangent_vecs),
+}
+"""What a row of the table of the group does with a problem."""
 
 
 def _at(name, *vectors):

@@ -9,6 +9,8 @@ import samples
 from geomstats_anim import SCHEMES, LearnedMetric, MetricParameters
 from geomstats_anim import rotations as quat
 from geomstats_anim.geodesics.exponential import Rates, exponential_rates, logarithm_rates
+from geomstats_anim.interpolation.learned_scheme import Help
+from geomstats_anim.interpolation.residuals import Residual
 
 SIDES = pytest.mark.parametrize("side", ["left", "right"])
 STEP = 2e-3
@@ -167,3 +169,35 @@ def test_exponential_rates_against_finite_differences(angle):
     expected = difference([exponential_rates(*along(step), second).velocity for step in steps])
     np.testing.assert_allclose(rates.acceleration, expected, atol=1e-10)
     assert isinstance(rates, Rates)
+
+
+def check_differences(curve):
+    times, steps = between_keys(curve.animation, 3), STEP * np.arange(-3, 4)
+    back = quat.conjugate(curve(times, order=0))
+    turns = [quat.log(quat.multiply(back, curve(times + step, order=0))) for step in steps]
+    velocity, acceleration = curve(times, order=1), curve(times, order=2)
+    expected = difference([curve(times + step, order=1) for step in steps])
+    np.testing.assert_allclose(velocity, difference(turns), atol=1e-7 * np.abs(velocity).max())
+    np.testing.assert_allclose(acceleration, expected, atol=1e-7 * np.abs(acceleration).max())
+
+
+@pytest.mark.parametrize(("scheme", "tension"), [("geodesic", 0.0), ("geodesic-spline", 1.4)])
+def test_rates_with_coupled_joints(scheme, tension):
+    keys = clip(40.0, 4)
+    rng, n = np.random.default_rng(3), keys.n_joints
+    parameters = samples.parameters(rng, n, 4.0, True)
+    coupling = 0.4 * rng.normal(size=(n, 3, 2))
+    metric = LearnedMetric(keys.skeleton.joints, parameters, np.full(n, tension), scheme, coupling=coupling)
+    curve = SCHEMES[scheme](keys, metric)
+    assert not curve.fallbacks
+    check_differences(curve)
+
+
+def test_rates_with_what_a_library_predicts():
+    keys = clip()
+    rng, shape = np.random.default_rng(3), (keys.n_frames - 1, 2, keys.n_joints, 3)
+    holds = np.zeros((keys.n_frames - 1, keys.n_joints), dtype=bool)
+    residual = Residual.through_keys(0.1 * rng.normal(size=shape), np.diff(keys.times), holds)
+    curve = SCHEMES["learned"](keys, None, Help(residual))
+    assert np.abs(curve(between_keys(keys), 1) - SCHEMES["learned"](keys)(between_keys(keys), 1)).max() > 0.1
+    check_differences(curve)
