@@ -108,6 +108,12 @@ for step, wanted in ((bpy.ops.ed.undo, filled), (bpy.ops.ed.redo, moved)):
     live.update()
     assert dump(bpy.data.actions[result_name]) == wanted
 
+# and so is a slider
+armature = bpy.data.objects[name]
+armature.pose.bones[4].geodesic_slider_alpha = 9.0
+live.update()
+assert dump(bpy.data.actions[result_name]) != moved
+
 # a pose that is keyed on a generated key becomes a key
 result = bpy.data.actions[result_name]
 bone = bpy.data.objects[name].pose.bones[1]

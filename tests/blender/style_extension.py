@@ -159,6 +159,19 @@ assert values[7] == 7.0 and values[-1] == 14.0 and all(abs(b - a) < 2.0 for a, b
 assert bones[7].constraints[0].subtarget == bones[0].name and len(armature.animation_data.drivers) == 1
 assert bpy.ops.geodesic.remove() == {"FINISHED"} and file_state() == before
 
+# a metric that cannot be read is not passed over; schemes without tension do not forget it
+good = armature["geodesicMetric"]
+for holder in (armature, armature.data):
+    holder["geodesicMetric"] = good.replace('"version": 1', '"version": 99')
+refused(bpy.ops.geodesic.in_betweens, "remove that custom property")
+for holder in (armature, armature.data):
+    holder["geodesicMetric"] = good
+bones[3].geodesic_slider_tension = 0.3
+armature.geodesic.scheme = "geodesic"
+assert bpy.ops.geodesic.in_betweens() == {"FINISHED"} and bpy.ops.geodesic.remove() == {"FINISHED"}
+armature.geodesic.scheme = "geodesic-spline"
+assert (bones[3]["geodesic_tension"], bones[3].geodesic_slider_tension) == (0.3, np.float32(0.3))
+
 # without keys, library or process: sentences
 armature.geodesic.scheme, armature.geodesic.library = "learned", ""
 refused(bpy.ops.geodesic.in_betweens, "needs a library")

@@ -54,7 +54,7 @@ def fill(armature, scope=None):
 
     Raises
     ------
-    FillError, ServiceError
+    FillError, ServiceError, StyleError
         If it cannot be done; nothing has changed.
     """
     check_action(armature)
@@ -82,12 +82,13 @@ def fill(armature, scope=None):
 
 
 def check_action(armature):
-    """Refuse an armature without an action of its own to go on."""
+    """Refuse an armature without an action of its own, or with a metric that cannot be read."""
     animation = armature.animation_data
     if animation is None or animation.action is None or animation.action_slot is None:
         raise FillError(f"{armature.name} has no action, so there are no keys to go between.")
     if animation.use_tweak_mode:
         raise FillError(f"{armature.name} tweaks a strip; leave the tweak mode of the NLA editor.")
+    style.check(armature)
 
 
 def _nothing(armature, scope):

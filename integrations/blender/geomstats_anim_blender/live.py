@@ -58,7 +58,7 @@ def _update(armature):
     try:
         fill.fill(armature)
         last_error.pop(armature.name, None)
-    except (fill.FillError, service.ServiceError) as error:
+    except (fill.FillError, service.ServiceError, style.StyleError) as error:
         last_error[armature.name] = str(error)
 
 

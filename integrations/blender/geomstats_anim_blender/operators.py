@@ -84,7 +84,7 @@ class Learn(_OnArmature, bpy.types.Operator):
         armature = armature_of(context)
         try:
             request = learn.request(armature)
-        except fill.FillError as error:
+        except (fill.FillError, style.StyleError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         self._armature, self._text, self._answer, self._error = armature.name, "Learning", None, None

@@ -19,6 +19,9 @@ SUMMARY = f"{KEY}Summary"
 LARGEST = 1 << 26
 """Characters of a metric's JSON."""
 
+_HUGE = 1e300
+"""Numbers of a metric are smaller."""
+
 SIDES = ("left", "right")
 
 _RANGES = {
@@ -58,11 +61,15 @@ def scheme_of(armature):
     return DEFAULT_SCHEME if document is None else document["scheme"]
 
 
-def default(armature, name):
-    """Return what a bone has that nobody has styled."""
-    if name.endswith("tension"):
-        return 1.0 if scheme_of(armature) in BENT else 0.0
-    return {"alpha": 1.0, "beta": 1.0, "side": "left", "axes": (0.0, 0.0, 0.0)}[name]
+DEFAULTS = {
+    "alpha": 1.0,
+    "beta": 1.0,
+    "tension": 1.0,
+    "translation_tension": 1.0,
+    "side": "left",
+    "axes": (0.0, 0.0, 0.0),
+}
+"""What a bone has that nobody has styled; schemes that are not bent do not ask for tensions."""
 
 
 def value(bone, name):
@@ -77,7 +84,7 @@ def value(bone, name):
         values = document[_WORDS[name]]
         if values is not None:
             return tuple(values[place]) if name == "axes" else values[place]
-    return default(armature, name)
+    return DEFAULTS[name]
 
 
 def _fits(document, armature):
@@ -106,17 +113,21 @@ def clear(bones):
 
 
 def edit(bone, name, new):
-    """Set what a slider says, for a bone and all that are selected with it."""
+    """Set what a slider says, which has seven digits, for a bone and all that are selected with it."""
+    if name == "axes":
+        new = [float(f"{each:.7g}") for each in new]
+    elif name != "side":
+        new = float(f"{new:.7g}")
     for each in selected(bone):
         set_value(each, name, new)
     store(bone.id_data)
 
 
 def reset(bones):
-    """Give bones the metric that bends nothing, and the usual tension of the scheme."""
+    """Give bones the metric that bends nothing, and the usual tension."""
     for bone in bones:
         for name in NAMES:
-            set_value(bone, name, default(bone.id_data, name))
+            set_value(bone, name, DEFAULTS[name])
 
 
 def changed(armature):
@@ -177,7 +188,7 @@ def document_of(armature):
 
 def stored(armature):
     """Return the metric that a USD import or an earlier edit has left as JSON, or None; what is no metric is none."""
-    text = next((holder[KEY] for holder in _holders(armature) if isinstance(holder.get(KEY), str)), None)
+    text = _text(armature)
     if text is None:
         return None
     if text not in _parsed:
@@ -187,6 +198,22 @@ def stored(armature):
         except StyleError:
             _parsed[text] = None
     return _parsed[text]
+
+
+def check(armature):
+    """Refuse an armature whose JSON is no metric."""
+    text = _text(armature)
+    if text is not None and stored(armature) is None:
+        try:
+            parse(text)
+        except StyleError as error:
+            raise StyleError(f"{error} It is in {KEY} of {armature.name}; remove that custom property.") from error
+
+
+def _text(armature):
+    """Return the JSON of an armature, or None; older files had a line for people in its place."""
+    texts = (holder.get(KEY) for holder in _holders(armature))
+    return next((text for text in texts if isinstance(text, str) and text.lstrip().startswith("{")), None)
 
 
 _parsed = {}
@@ -241,9 +268,10 @@ def adopt(armature):
     if document is None:
         return
     places = _places(document, armature)
+    names = [name for name in NAMES if document["scheme"] in BENT or not name.endswith("tension")]
     for bone in armature.pose.bones:
         if bone.name in places:
-            for name in NAMES:
+            for name in names:
                 if property_of(name) not in bone:
                     set_value(bone, name, value(bone, name))
 
@@ -296,8 +324,11 @@ def parse(text):
     joints = document.get("joints")
     if not isinstance(joints, list) or not all(isinstance(joint, str) for joint in joints):
         raise StyleError("The metric has no list of joints.")
+    if len(set(joints)) < len(joints):
+        raise StyleError("The metric names a joint twice.")
     document.setdefault("translationTension", document.get("tension"))
-    document.setdefault("provenance", {})
+    if not isinstance(document.setdefault("provenance", {}), dict):
+        raise StyleError("The metric has a provenance that is no object.")
     if document.get("scheme") not in SCHEMES:
         raise StyleError(f"The metric has the scheme {document.get('scheme')!r}, which does not exist.")
     for name, word in _WORDS.items():
@@ -323,7 +354,7 @@ def _fit(name, entry):
 
 
 def _is_number(entry):
-    return isinstance(entry, int | float) and not isinstance(entry, bool) and math.isfinite(entry)
+    return isinstance(entry, int | float) and not isinstance(entry, bool) and abs(entry) < _HUGE
 
 
 def is_selected(bone):
