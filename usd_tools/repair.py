@@ -155,7 +155,7 @@ def parser(prog: str = PROG) -> ArgumentParser:
     parse.add_argument(
         "--no-xforms",
         action="store_true",
-        help="with --smooth: leave the transforms that move a character as a whole as they are",
+        help="leave the transforms that move a character as a whole as they are",
     )
     add_prim(parse)
     add_output(parse)

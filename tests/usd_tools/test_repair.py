@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from pxr import Sdf, Usd
+from pxr import Gf, Sdf, Usd, UsdGeom
 from real_files import real_file
 from rigs import ANIMATION, bits, make_rig, read, set_samples
 
@@ -273,3 +273,30 @@ def test_the_flipped_thumb_of_rolling_is_rebuilt(tmp_path):
     values = quat.normalize(clip.channels["rotations"].values.astype(np.float64))
     thumb = [joint.rpartition("/")[2] for joint in clip.joints].index("RThumb")
     assert np.degrees(quat.distance(values[1:, thumb], values[:-1, thumb])).max() < 45.0
+
+
+def test_transforms_that_move_the_character(tmp_path, run):
+    path = np.stack([2.0 * np.arange(N), 3.0 * np.sin(np.arange(N) / 6.0), np.zeros(N)], axis=-1)
+    broken = path.copy()
+    broken[10:12], broken[-1] = np.nan, np.nan
+    broken[25, 1] += 60.0
+    broken[40:46] = broken[39]
+    stage = make_rig(tmp_path / "in.usda", codes=range(N), rotations=swinging())
+    op = UsdGeom.Xformable(stage.GetPrimAtPath("/Rig")).AddTranslateOp()
+    for code in range(N):
+        op.Set(Gf.Vec3d(*broken[code].tolist()), code)
+    stage.GetRootLayer().Save()
+    code, out, err = run("repair", tmp_path / "in.usda", "-o", tmp_path / "out.usda")
+    assert (code, err) == (0, "") and "2 gaps, 1 spike, 1 drop-out" in out and "/Rig (xformOp:translate)" in out
+    out = Usd.Stage.Open(str(tmp_path / "out.usda"))
+    moved = out.GetAttributeAtPath("/Rig.xformOp:translate")
+    after = np.array([moved.Get(code) for code in range(N)])
+    bad = np.isin(np.arange(N), [10, 11, 25, *range(40, 46), N - 1])
+    assert moved.GetTimeSamples() == list(range(N)) and (after[~bad] == path[~bad]).all()
+    np.testing.assert_allclose(after[:-1], path[:-1], atol=0.05)
+    assert (after[-1] == path[-2]).all()
+    assert "2 gaps, 1 spike, 1 drop-out" in run("inspect", tmp_path / "in.usda")[1]
+    code, out, _ = run("repair", tmp_path / "in.usda", "-o", tmp_path / "kept.usda", "--no-xforms")
+    assert code == 0 and "no faults" in out
+    sentence = "at time code 10 it is not finite; usd_tools.repair fills it in."
+    assert sentence in run("upsample", tmp_path / "in.usda", "-o", tmp_path / "up.usda", "--factor", 2)[2]

@@ -23,7 +23,7 @@ from usd_tools.metrics.explain import joint_meanings
 from usd_tools.metrics.validation import validate_metric
 from usd_tools.skel.channels import Channel
 from usd_tools.skel.clip import SkelClip, read_clip
-from usd_tools.skel.faults import find_clip_faults
+from usd_tools.skel.faults import ClipFault, find_clip_faults
 from usd_tools.skel.find import AnimationSource, find_animations
 from usd_tools.skel.joint_names import names_note, read_names
 from usd_tools.skel.loops import find_loop
@@ -37,6 +37,9 @@ from usd_tools.skel.rotation_checks import (
 )
 from usd_tools.skel.skeleton_checks import count_off_bind, range_note, rest_size, size_note
 from usd_tools.skel.stored_metric import stored_metric
+
+_WIDE_STEPS = 20
+"""Turns that are warned of one by one."""
 
 
 @openusd_errors()
@@ -151,11 +154,14 @@ def _describe_animation(source: AnimationSource, messages: Messages) -> dict[str
     degrees = rotation_steps(clip)
     largest, wide = largest_step(clip, degrees), wide_steps(clip, degrees)
     names = short_names(clip.joints)
-    for step in wide:
+    for step in wide[:_WIDE_STEPS]:
         turn = step.in_words(names)
         messages.warn(f"{clip.path}: {turn}; a file cannot store which way a turn beyond 180 degrees went.")
+    if len(wide) > _WIDE_STEPS:
+        messages.warn(f"{clip.path}: {len(wide) - _WIDE_STEPS} more turns are as wide; --json lists them.")
     rotations = clip.channels.get("rotations")
-    faults = [fault.as_dict(names.get(fault.joint, fault.joint)) for fault in find_clip_faults(clip, degrees)]
+    found = [*find_clip_faults(clip, degrees), *_find_op_faults(clip)]
+    faults = [fault.as_dict(names.get(fault.joint, fault.joint)) for fault in found]
     gaps = [fault for fault in faults if fault["kind"] == GAP]
     if gaps:
         first = min(fault["start"] for fault in gaps)
@@ -185,6 +191,22 @@ def _describe_animation(source: AnimationSource, messages: Messages) -> dict[str
         "not_unit_quaternions": 0 if rotations is None else count_not_unit(rotations),
         "metric": _describe_metric(source, messages),
     }
+
+
+def _find_op_faults(clip: SkelClip) -> list[ClipFault]:
+    """Find the faults of the transforms that move a character; most have none, and are not waited for."""
+    prims = [
+        prim
+        for skeleton in clip.source.skeletons
+        for prim in map(skeleton.GetStage().GetPrimAtPath, skeleton.GetPath().GetPrefixes())
+    ]
+    if not any(UsdGeom.Xformable(prim).TransformMightBeTimeVarying() for prim in prims if prim.IsA(UsdGeom.Xformable)):
+        return []
+    from usd_tools.skel.xform_faults import find_op_faults
+    from usd_tools.skel.xforms import find_xform_ops
+
+    ops = find_xform_ops(clip.source, fills_gaps=True).ops
+    return [fault for op in ops for fault in find_op_faults(op, clip)]
 
 
 def _rig(clip: SkelClip) -> str:

@@ -21,7 +21,7 @@ class RepairOptions(OutputOptions):
         Hertz; faster motion is filtered away after the repair, without delay.
         Optional, default: nothing is filtered.
     no_xforms : bool
-        With `smooth`: leave the transforms that move a character as a whole as they are.
+        Leave the transforms that move a character as a whole as they are.
     dry_run : bool
         Do all but write.
     """

@@ -17,6 +17,8 @@ from usd_tools.skel.clip import SkelClip
 from usd_tools.skel.fault_words import SIGN_FLIP
 from usd_tools.skel.faults import ClipFault, fault_of, find_clip_faults, find_gaps
 from usd_tools.skel.gaps import space_of
+from usd_tools.skel.xform_faults import find_op_faults
+from usd_tools.skel.xforms import XformOp, cuts_of, resample_op
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +90,53 @@ def repair_clip(clip: SkelClip, max_gap: int | None) -> Repair:
             faults, changed = [*faults, *flips], changed | {"rotations"}
     repaired = replace(clip, channels=channels)
     return Repair(repaired, tuple(faults), tuple(left), tuple(name for name in clip.channels if name in changed))
+
+
+@dataclass(frozen=True, eq=False)
+class OpRepair:
+    """A transform op whose faults are repaired.
+
+    Parameters
+    ----------
+    op : XformOp
+        Repaired.
+    faults : tuple of ClipFault
+    left : tuple of ClipFault
+        Those of them that are longer than what is rebuilt; gaps are among the others, however long.
+    """
+
+    op: XformOp
+    faults: tuple[ClipFault, ...]
+    left: tuple[ClipFault, ...]
+
+
+def repair_op(op: XformOp, clip: SkelClip, max_gap: int | None) -> OpRepair:
+    """Repair a transform op that was read with its gaps filled in, see `repair_clip`.
+
+    Parameters
+    ----------
+    op : XformOp
+    clip : SkelClip
+        Of the character, repaired.
+    max_gap : int or None
+        See `repair_clip`; a gap is filled in, however long.
+
+    Returns
+    -------
+    repair : OpRepair
+    """
+    faults, channel = find_op_faults(op, clip), op.channel
+    limit = max_gap or _samples_of_a_second(clip, channel)
+    left = tuple(each for each in faults if each.samples > limit and each.fault.kind != GAP)
+    bad = mask_of((each.fault for each in faults if each not in left), len(channel.codes), 1)[:, 0]
+    if not bad.any():
+        return OpRepair(op, tuple(faults), left)
+    good = replace(op, channel=channel.at(~bad), gaps=None)
+    dense = resample_op(good, channel.codes, clip.codes_per_second, DEFAULT_SCHEME, cuts_of(good, clip, True))
+    last = np.searchsorted(dense.codes, channel.codes[bad], side="right") - 1  # at an end the nearest
+    values = channel.values.copy()
+    values[bad] = dense.values[np.maximum(last, 0)]
+    return OpRepair(replace(op, channel=replace(channel, values=values), gaps=None), tuple(faults), left)
 
 
 def _samples_of_a_second(clip: SkelClip, channel: Channel) -> int:

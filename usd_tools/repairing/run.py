@@ -15,28 +15,40 @@ from usd_tools.files.atomic import write_json
 from usd_tools.files.openusd_errors import openusd_errors, reading, usd_warnings
 from usd_tools.files.stages import describe_dependencies, open_stage, stage_path
 from usd_tools.repairing.options import RepairOptions
-from usd_tools.repairing.rebuild import Repair, repair_clip
+from usd_tools.repairing.rebuild import OpRepair, Repair, repair_clip, repair_op
 from usd_tools.repairing.result import TOOL, RepairedAnimation, RepairResult
 from usd_tools.resampling.antialias import LowPass, filtered_clip, filtered_op
 from usd_tools.skel.channels import Channel
-from usd_tools.skel.clip import read_clips
+from usd_tools.skel.clip import SkelClip, read_clips
 from usd_tools.skel.clip_notes import composition_notes, missing_note
 from usd_tools.skel.edit_target import EditTargetLayer
+from usd_tools.skel.faults import ClipFault
 from usd_tools.skel.find import find_animations, select_animations
 from usd_tools.skel.output import Output
 from usd_tools.skel.packed import packed_bytes
 from usd_tools.skel.writer import AnimationLayer
-from usd_tools.skel.xforms import XformOp, cuts_of, find_xform_ops
+from usd_tools.skel.xforms import FoundOps, XformOp, cuts_of, find_xform_ops
 
 
 @dataclass(frozen=True, eq=False)
 class RepairedClip:
-    """One animation: its repair, the samples to write, and those of transform ops."""
+    """One animation: its repair, those of transform ops, the samples and ops to write, and what was filtered."""
 
     repair: Repair
+    ops: tuple[OpRepair, ...]
     channels: dict[str, Channel]
     xforms: tuple[XformOp, ...]
     smoothed: tuple[str, ...]
+
+    @property
+    def faults(self) -> list[ClipFault]:
+        """All that was found."""
+        return [*self.repair.faults, *(fault for each in self.ops for fault in each.faults)]
+
+    @property
+    def left(self) -> list[ClipFault]:
+        """What was not rebuilt."""
+        return [*self.repair.left, *(fault for each in self.ops for fault in each.left)]
 
 
 @openusd_errors()
@@ -105,17 +117,40 @@ def _repaired(
     bar = Progress(progress, len(clips), "Repairing")
     repaired = []
     for clip in clips:
-        repair = repair_clip(clip, options.max_gap)
-        if repair.left:
-            longest = max(each.samples for each in repair.left)
-            messages.warn(
-                f"{clip.path}: {counted(len(repair.left), 'fault')} of up to {longest} samples left as they are; "
-                "--max-gap rebuilds longer ones."
-            )
-        repaired.append(_smoothed(repair, options, messages))
+        repaired.append(_repaired_clip(clip, options, messages))
         for note in _notes(repaired[-1]):
             messages.warn(note)
         bar.advance(1.0)
+    return repaired
+
+
+def _repaired_clip(clip: SkelClip, options: RepairOptions, messages: Messages) -> RepairedClip:
+    """Repair a clip and its transforms, filter them if that is asked for, and choose what to write."""
+    repair = repair_clip(clip, options.max_gap)
+    clip, names = repair.clip, list(repair.changed)
+    found = FoundOps((), ()) if options.no_xforms else find_xform_ops(clip.source, fills_gaps=True)
+    ops = tuple(repair_op(op, clip, options.max_gap) for op in found.ops)
+    xforms = [each.op for each in ops if each.faults]
+    channels = {name: replace(clip.channels[name], values=repair.values(name)) for name in clip.channels}
+    smoothed: list[str] = []
+    if options.smooth is not None:
+        for note in found.notes:
+            messages.warn(note)
+        low_pass = LowPass(options.smooth, 0.0, "--smooth")
+        channels = dict(filtered_clip(clip, low_pass).channels)
+        smoothed = [name for name, channel in channels.items() if channel.is_animated and not channel.is_constant]
+        xforms = [filtered_op(each.op, cuts_of(each.op, clip, True), clip.codes_per_second, low_pass) for each in ops]
+        names = [name for name in channels if name in names or name in smoothed]
+        smoothed += [str(op.attribute.GetPath()) for op in xforms]
+    if names and packed_bytes(clip.source.prim) is not None:  # which goes where samples are written
+        names = [name for name, channel in channels.items() if len(channel.codes)]
+    repaired = RepairedClip(repair, ops, {name: channels[name] for name in names}, tuple(xforms), tuple(smoothed))
+    if repaired.left:
+        longest = max(each.samples for each in repaired.left)
+        messages.warn(
+            f"{clip.path}: {counted(len(repaired.left), 'fault')} of up to {longest} samples left as they are; "
+            "--max-gap rebuilds longer ones."
+        )
     return repaired
 
 
@@ -128,27 +163,6 @@ def _notes(repaired: RepairedClip) -> list[str]:
     return [note for note in clip.notes if note not in untrue]
 
 
-def _smoothed(repair: Repair, options: RepairOptions, messages: Messages) -> RepairedClip:
-    """Filter a repaired clip if that is asked for, and choose the samples to write."""
-    clip, names, xforms = repair.clip, list(repair.changed), []
-    channels = {name: replace(clip.channels[name], values=repair.values(name)) for name in clip.channels}
-    smoothed: list[str] = []
-    if options.smooth is not None:
-        low_pass = LowPass(options.smooth, 0.0, "--smooth")
-        channels = dict(filtered_clip(clip, low_pass).channels)
-        smoothed = [name for name, channel in channels.items() if channel.is_animated and not channel.is_constant]
-        found = find_xform_ops(clip.source) if not options.no_xforms else None
-        for note in () if found is None else found.notes:
-            messages.warn(note)
-        for op in () if found is None else found.ops:
-            xforms.append(filtered_op(op, cuts_of(op, clip, True), clip.codes_per_second, low_pass))
-        names = [name for name in channels if name in names or name in smoothed]
-        smoothed += [str(op.attribute.GetPath()) for op in xforms]
-    if names and packed_bytes(clip.source.prim) is not None:  # which goes where samples are written
-        names = [name for name, channel in channels.items() if len(channel.codes)]
-    return RepairedClip(repair, {name: channels[name] for name in names}, tuple(xforms), tuple(smoothed))
-
-
 def _write(layer: AnimationLayer, clips: Sequence[RepairedClip], messages: Messages) -> None:
     for each in clips:
         if each.channels:
@@ -158,8 +172,7 @@ def _write(layer: AnimationLayer, clips: Sequence[RepairedClip], messages: Messa
 
 
 def _described(repaired: RepairedClip) -> RepairedAnimation:
-    repair = repaired.repair
-    clip, left = repair.clip, set(map(id, repair.left))
+    clip, left = repaired.repair.clip, set(map(id, repaired.left))
     names = short_names(clip.joints)
     return RepairedAnimation(
         clip.path,
@@ -168,7 +181,7 @@ def _described(repaired: RepairedClip) -> RepairedAnimation:
         len(clip.codes),
         tuple(
             {**each.as_dict(names.get(each.joint, each.joint)), "repaired": id(each) not in left}
-            for each in repair.faults
+            for each in repaired.faults
         ),
         repaired.smoothed,
     )

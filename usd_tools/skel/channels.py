@@ -115,8 +115,9 @@ class Channel:
 
     @cached_property
     def squares(self) -> np.ndarray:
-        """Return the squared length of each element, shape=[K, N], in single precision."""
-        return np.einsum("knc,knc->kn", self.values, self.values, dtype=np.float32)
+        """Return the squared length of each element, shape=[K, N], in single precision at least."""
+        dtype = np.result_type(self.values, np.float32)
+        return np.einsum("knc,knc->kn", self.values, self.values, dtype=dtype)
 
     @cached_property
     def is_finite(self) -> np.ndarray:

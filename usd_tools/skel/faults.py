@@ -34,11 +34,13 @@ class ClipFault:
     ----------
     channel : str
     joint : str
-        Name of the joint, or of the blend shape.
+        Name of the joint, or of the blend shape; of a transform the path of its prim.
     fault : Fault
         With the column of the joint, samples of the channel, and a size in radians or metres.
     start, end : float
         Time codes of its first and its last sample.
+    is_turn : bool
+        Whether its size is an angle.
     """
 
     channel: str
@@ -46,6 +48,7 @@ class ClipFault:
     fault: Fault
     start: float
     end: float
+    is_turn: bool
 
     @property
     def samples(self) -> int:
@@ -55,7 +58,6 @@ class ClipFault:
     def as_dict(self, short_name: str) -> dict[str, Any]:
         """Return plain values; `degrees` or `centimetres` is None where it does not apply."""
         sized = self.fault.kind in (SPIKE, DROPOUT)
-        turns = self.channel == "rotations"
         return {
             "kind": self.fault.kind,
             "channel": self.channel,
@@ -64,8 +66,8 @@ class ClipFault:
             "start": self.start,
             "end": self.end,
             "samples": self.samples,
-            "degrees": float(np.degrees(self.fault.size)) if sized and turns else None,
-            "centimetres": 100.0 * self.fault.size if sized and not turns else None,
+            "degrees": float(np.degrees(self.fault.size)) if sized and self.is_turn else None,
+            "centimetres": 100.0 * self.fault.size if sized and not self.is_turn else None,
         }
 
 
@@ -112,16 +114,15 @@ def fault_of(clip: SkelClip, channel: Channel, fault: Fault) -> ClipFault:
     """Name the joint and the time codes of a fault."""
     is_joint = channel.name != "blendShapeWeights"
     names = clip.joints if is_joint else read_names(clip.source.prim, "blendShapes")
-    codes = channel.codes[[fault.start, fault.stop - 1]].tolist()
-    return ClipFault(channel.name, names[fault.joint], fault, *codes)
+    start, end = channel.codes[[fault.start, fault.stop - 1]].tolist()
+    return ClipFault(channel.name, names[fault.joint], fault, start, end, channel.name == "rotations")
 
 
 def _unlikely(clip: SkelClip, channel: Channel, steps: np.ndarray | None) -> Iterator[Fault]:
     """Find spikes and drop-outs in the dense stretches of a channel."""
-    reach = _reach(clip)
-    if channel.name != "rotations" and reach == 0.0:
+    unit = length_unit(clip)
+    if channel.name != "rotations" and unit == 0.0:
         return
-    unit = UNIT_OF_REACH * reach
     space = space_of(channel.name, unit / clip.world_scale)
     columns = np.flatnonzero(~channel.holds.all(axis=0))
     if not len(columns):
@@ -131,7 +132,7 @@ def _unlikely(clip: SkelClip, channel: Channel, steps: np.ndarray | None) -> Ite
     place[columns] = np.arange(len(columns))
     missing = clip.gaps[channel.name].where if channel.name in clip.gaps else None
     everything = len(columns) == len(clip.joints)
-    for span in _dense_stretches(channel, clip.codes_per_second):
+    for span in dense_stretches(channel, clip.codes_per_second):
         values = channel.values[span] if everything else channel.values[span][:, columns]
         own = steps_between(values, space) if steps is None else steps[span.start : span.stop - 1][:, columns]
         faults = find_faults(
@@ -149,7 +150,8 @@ def _unlikely(clip: SkelClip, channel: Channel, steps: np.ndarray | None) -> Ite
                 yield replace(fault, joint=int(columns[fault.joint]), start=start, stop=stop, size=size)
 
 
-def _dense_stretches(channel: Channel, codes_per_second: float) -> Iterator[slice]:
+def dense_stretches(channel: Channel, codes_per_second: float) -> Iterator[slice]:
+    """Yield the stretches of recorded motion: without blocks, steps and pauses, see `DENSE`."""
     for span in channel.spans:
         gaps = np.diff(channel.codes[span]) / codes_per_second
         breaks = step_pairs(channel.codes[span], codes_per_second) | (gaps > PAUSE * (1.0 + 1e-9))
@@ -166,12 +168,12 @@ def _parents(clip: SkelClip) -> np.ndarray:
     return place[clip.skeleton.parents[clip.columns]]
 
 
-def _reach(clip: SkelClip) -> float:
-    """Return the length of the longest chain of bones at rest, in metres."""
+def length_unit(clip: SkelClip) -> float:
+    """Return the length that counts as much as a turn of one radian, in metres; see `UNIT_OF_REACH`."""
     skeleton = clip.skeleton
     lengths = np.linalg.norm(skeleton.rest_translations, axis=-1)
     reach = np.zeros(skeleton.n_joints)
     for joint, parent in enumerate(skeleton.parents.tolist()):
         if parent >= 0:
             reach[joint] = reach[parent] + lengths[joint]
-    return float(reach.max(initial=0.0))
+    return UNIT_OF_REACH * float(reach.max(initial=0.0))

@@ -36,7 +36,7 @@ class Gaps(NamedTuple):
 
 def has_no_length(quaternions: np.ndarray) -> np.ndarray:
     """Return whether quaternions, shape=[..., 4], are no rotations, shape=[...]."""
-    return np.linalg.norm(quaternions, axis=-1) < NO_LENGTH
+    return np.linalg.norm(quaternions.astype(np.float64), axis=-1) < NO_LENGTH
 
 
 def turns_of_no_length(channel: Channel) -> np.ndarray:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from pxr import Usd, UsdGeom, UsdLux, UsdSkel
 
-from geomstats_anim import SCHEMES, Animation, Skeleton
+from geomstats_anim import Animation, Skeleton
 from geomstats_anim.rotations import IDENTITY
 from usd_tools.skel.channels import Channel, held
 from usd_tools.skel.clip import SkelClip
@@ -32,11 +32,14 @@ class XformOp:
     channel : Channel
         One element, whose numbers are as in `codec_of`.
     codec : Codec
+    gaps : array-like of bool, shape=[K]
+        Which samples were not finite, so that they were filled in; None if all were.
     """
 
     attribute: Usd.Attribute
     channel: Channel
     codec: Codec
+    gaps: np.ndarray | None = None
 
 
 class FoundOps(NamedTuple):
@@ -46,12 +49,15 @@ class FoundOps(NamedTuple):
     notes: tuple[str, ...]
 
 
-def find_xform_ops(source: AnimationSource) -> FoundOps:
+def find_xform_ops(source: AnimationSource, fills_gaps: bool = False) -> FoundOps:
     """Find the sampled transform ops of an animation's skeletons and of what is above them.
 
     Parameters
     ----------
     source : AnimationSource
+    fills_gaps : bool
+        Put the sample before, or the first good one, where a sample is not finite; `gaps` tells where.
+        Optional, default: False, such an op is left.
 
     Returns
     -------
@@ -69,13 +75,26 @@ def find_xform_ops(source: AnimationSource) -> FoundOps:
             if not channel.is_animated or channel.is_constant:
                 continue
             op_type = op.GetOpTypeToken(op.GetOpType())
-            codec = codec_of(op_type, channel.values[~channel.blocked, 0])
+            gaps = ~channel.is_finite[:, 0]
+            good = ~(channel.blocked | gaps)
+            codec = codec_of(op_type, channel.values[good, 0]) if good.any() else None
             reason = _reason_to_leave(prim, source, codec)
+            if gaps.any() and not reason:
+                code = channel.codes[np.argmax(gaps)]
+                reason = "" if fills_gaps else f"at time code {code:g} it is not finite; usd_tools.repair fills it in"
+                channel = _without_gaps(channel, gaps)
             if reason or codec is None:
                 notes[f"{path} keeps its {len(channel.codes)} samples: {reason}."] = None
             else:
-                ops[path] = XformOp(attribute, channel, codec)
+                ops[path] = XformOp(attribute, channel, codec, gaps if gaps.any() else None)
     return FoundOps(tuple(ops.values()), tuple(notes))
+
+
+def _without_gaps(channel: Channel, gaps: np.ndarray) -> Channel:
+    good = np.flatnonzero(~(gaps | channel.blocked))
+    values, last = channel.values.copy(), np.maximum(np.searchsorted(good, np.flatnonzero(gaps)) - 1, 0)
+    values[gaps] = channel.values[good[last]]
+    return replace(channel, values=values)
 
 
 def _prims_above(source: AnimationSource) -> Iterator[Usd.Prim]:
@@ -139,6 +158,8 @@ def resample_op(op: XformOp, codes: np.ndarray, rate: float, scheme: str, cuts: 
     -------
     channel : Channel
     """
+    from geomstats_anim import SCHEMES  # which looking at a file need not wait for
+
     channel = op.channel
     filled = held(channel, merged_codes(channel.codes, codes, rate))
     for span in channel.stretches(rate, cuts):
