@@ -53,7 +53,7 @@ class Errors(NamedTuple):
         """
         truth, ours = frames.animation, frames.animation_of({name: channels[name] for name in frames.moving})
         if placements is not None:
-            truth, ours = replace(truth, world=frames.clip.placements(frames.codes)), replace(ours, world=placements)
+            truth, ours = replace(truth, world=frames.placements), replace(ours, world=placements)
         placed = joint_matrices(ours), joint_matrices(truth)
         scales = weights = None
         if "scales" in frames.moving and truth.scales is not None and ours.scales is not None:

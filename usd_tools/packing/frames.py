@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -83,6 +84,11 @@ class Frames:
     def weights_of(self, moving: Mapping[str, Channel]) -> Array | None:
         """Return weights of blend shapes at all frames, shape=[F, N]; None if they do not move."""
         return self.filled(moving[WEIGHTS])[..., 0].astype(np.float64) if WEIGHTS in moving else None
+
+    @cached_property
+    def placements(self) -> Array | None:
+        """Where the skeleton is at all frames, shape=[F, 3, 4]; asked for before an open stage is changed."""
+        return self.clip.placements(self.codes)
 
     @property
     def cuts(self) -> list[int]:

@@ -6,10 +6,12 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 from rigs import ANIMATION, SKELETON, make_rig, random_rotations, read
 
 from geomstats_anim.markers import Markers, distances_between, joint_matrices
+from usd_tools.pack import PackOptions, pack_stage
 from usd_tools.skel.clip import read_clip
 from usd_tools.skel.find import find_animations
 from usd_tools.skel.packed import PACKED
 from usd_tools.skel.resampling import animation_of
+from usd_tools.unpack import unpack_stage
 
 N = 24
 CODES = list(range(N))
@@ -212,3 +214,15 @@ def test_a_character_that_grows_from_nothing_and_a_face_keep_their_transforms(tm
     stage.GetRootLayer().Save()
     code, _, err = run("pack", tmp_path / "face.usda", "-o", tmp_path / "out.usda", "--tolerance", 1)
     assert code == 0 and f"{TRANSLATE} keeps its {N} samples: there is no joint to measure errors on" in err
+
+
+def test_open_stages_are_packed_and_unpacked(source):
+    stage = Usd.Stage.Open(str(source))
+    op, before = stage.GetAttributeAtPath(TRANSLATE), values(source, TRANSLATE)[1]
+    stage.SetEditTarget(stage.GetSessionLayer())
+    (packed,) = pack_stage(stage, PackOptions(tolerance=TOLERANCE, effort="fast")).animations
+    assert packed.xforms == (f"{SKELETON}.xformOp:transform", TRANSLATE, ORIENT)
+    assert op.GetTimeSamples() == [0, N - 1] and packed.errors["centimetres"]["largest"] <= TOLERANCE
+    unpack_stage(stage)
+    assert op.GetTimeSamples() == CODES
+    assert max((op.Get(code) - before[code]).GetLength() for code in CODES) <= TOLERANCE
