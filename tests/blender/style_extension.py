@@ -6,8 +6,10 @@ exported with that; in_library.npz, what the library made of every 6th key: turn
 """
 
 import json
+import os
 import sys
 from itertools import pairwise
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -182,8 +184,20 @@ refused(bpy.ops.geodesic.in_betweens, "bad.json")
 armature.geodesic.scheme = "slerp"
 preferences = bpy.context.preferences.addons[MODULE].preferences
 for nowhere, sentence in (("/nowhere/python", "cannot be started"), (sys.executable, "has no geomstats-anim")):
-    part("service").os.environ.pop("PYTHONPATH", None)
+    os.environ.pop("PYTHONPATH", None)
     preferences.python = nowhere
     refused(bpy.ops.geodesic.in_betweens, sentence)
+# the command on the PATH, or a link to it, leads to its Python
+installed, linked = Path(folder, "env", "bin"), Path(folder, "bin")
+for each in (installed, linked):
+    each.mkdir(parents=True)
+for name in ("python", "geomstats-anim"):
+    (installed / name).touch(0o755)
+(linked / "geomstats-anim").symlink_to(installed / "geomstats-anim")
+preferences.python = ""
+for path, found in ((linked, str((installed / "python").resolve())), (folder, None)):
+    os.environ["PATH"] = str(path)
+    assert part("preferences").python() == found
+refused(bpy.ops.geodesic.in_betweens, "geomstats-anim is not found")
 armature.animation_data.action = None
 refused(bpy.ops.geodesic.in_betweens, "no action")

@@ -31,7 +31,7 @@ def python():
     command = shutil.which("geomstats-anim")
     if command is None:
         return None
-    folder = os.path.dirname(os.path.abspath(command))
+    folder = os.path.dirname(os.path.realpath(command))  # pipx and uv link to it
     beside = (os.path.join(folder, name) for name in ("python", "python.exe"))
     return next((path for path in beside if os.path.exists(path)), None)
 
