@@ -238,6 +238,8 @@ def test_several_files(tmp_path, run):
     (tmp_path / "in").mkdir()
     for k in range(2):
         make_rig(tmp_path / "in" / f"{k}.usda", codes=range(N), rotations=faulty(k)[1])
+    code, out, err = run("repair", tmp_path / "in", "-o", tmp_path / "out", "--dry-run")
+    assert (code, err) == (0, "") and out.endswith("Worked on 2 files.\n")
     code, out, err = run("repair", tmp_path / "in", "-o", tmp_path / "out")
     assert (code, err) == (0, "") and "0.usda: 2 gaps, 1 spike, 1 drop-out" in out
     assert np.isfinite(repaired(tmp_path / "out" / "1.usda")).all()

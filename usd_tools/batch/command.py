@@ -78,7 +78,7 @@ def run_verb(
     with ProgressBar() as bar:
         files = run_tasks(verb, tasks, _for_each(options), how, _print_file, bar)
     result = BatchResult(tool, options.settings(), files)
-    _print_counts(result, args.out)
+    _print_counts(result, None if getattr(options, "dry_run", False) else args.out)
     if how.report is not None:
         how.report.parent.mkdir(exist_ok=True)
         write_json(how.report, result.as_dict())
