@@ -71,7 +71,7 @@ def answer(header: Mapping[str, Any], arrays: Mapping[str, np.ndarray], progress
         results, numbers = work(header, arrays, progress)
     except (ToolError, ValueError) as error:
         return {"error": str(error)}, {}
-    except (KeyError, TypeError, AttributeError, IndexError) as error:
+    except (ArithmeticError, AssertionError, AttributeError, LookupError, MemoryError, TypeError) as error:
         return {"error": f"The request cannot be understood: {type(error).__name__} {error}"}, {}
     return {"done": True, **results}, numbers
 

@@ -229,6 +229,7 @@ TRACK = (0, "QUATERNION", np.tile([1.0, 0.0, 0.0, 0.0], (5, 1)))
         ({"groups": [[[3, "location"]]]}, "no joint 3"),
         ({"groups": [[[0, "eval"]]]}, "no channel 'eval'"),
         ({"groups": [[[0, "location"]]]}, "3 finite numbers"),
+        ({"parents": [-1, 0, 1 << 70]}, "cannot be understood"),
         ({"groups": 3}, "cannot be understood"),
         ({"groups": [[[0, "QUATERNION"]], []]}, "cannot be understood"),
         ({"metric": json.loads(METRIC.for_scheme("learned").to_json())}, "needs a library"),
