@@ -105,7 +105,8 @@ def main() -> int:
     if not args.files:
         with tempfile.TemporaryDirectory() as folder:
             clip = Path(folder) / "pitching.usda"
-            make_stage(MOTIONS["pitching"](), build_skin()).GetRootLayer().Export(str(clip))
+            stage = make_stage(MOTIONS["pitching"](), build_skin())
+            stage.GetRootLayer().Export(str(clip))
             _take(clip, args.out / "live.webp", _bend)
             _take(clip, args.out / "live_overlaid.webp", _compare)
     return 0
