@@ -134,8 +134,8 @@ def parser(prog: str = PROG) -> ArgumentParser:
         description="Find the faults of recorded motion and rebuild them from the samples beside them, on the geodesic "
         "spline: gaps (numbers that are not finite, quaternions of no length), spikes of one to three samples, flips "
         "by half a turn, drop-outs that repeat a sample while the motion goes on, and sign flips. All other samples "
-        "stay bit for bit. Motion that is fast, and poses that are held, are left alone. usd_tools.inspect lists "
-        "faults, too.",
+        "stay bit for bit. Motion that is fast, and poses that are held, are left alone; of keys with "
+        "fewer than 15 per second only gaps are found. usd_tools.inspect lists faults, too.",
     )
     add_inputs(parse)
     parse.add_argument("-o", "--out", metavar="OUT", type=Path, help="USD file, or folder, to write; .usdz packs all")

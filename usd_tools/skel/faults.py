@@ -19,10 +19,10 @@ from usd_tools.skel.rotation_checks import rotation_steps
 UNIT_OF_REACH = 0.05
 """Translations are compared in this share of the skeleton's longest chain: 5 cm of a body count as much as a radian."""
 
-DENSE = 0.05
+DENSE = 0.07
 """Seconds between samples, at most, of recorded motion; keys further apart may leave and come back as they like."""
 
-PAUSE = 0.1
+PAUSE = 0.15
 """Seconds without a sample that part recorded motion."""
 
 
