@@ -26,6 +26,9 @@ _NUDGE = 1e-2
 
 _SMALLEST_NUDGE = 1e-3
 
+_LEAST_REACH = 1e-6
+"""Metres per unit, for numbers that move nothing."""
+
 _SHARES = (1.0 / 64.0, 0.5)
 """Least and largest share of the tolerance for transforms."""
 
@@ -124,7 +127,7 @@ class Transforms:
         n_own = sum(values.shape[1] for values in self.columns.values())
         reach = self._reach(markers)
         return {
-            name: ExtraChannel(values, metres / (np.sqrt(n_own) * max(reach[name], np.finfo(float).tiny)))
+            name: ExtraChannel(values, metres / (np.sqrt(n_own) * max(reach[name], _LEAST_REACH)))
             for name, values in self.columns.items()
         }
 

@@ -43,7 +43,8 @@ def to_parts(attribute: Usd.Attribute, numbers: Array) -> dict[str, Array]:
         return {"": make_continuous(numbers) if _is_quaternion(attribute) else _narrowed(numbers)}
     parts = codec.split(numbers)
     parts = parts._replace(turns=make_continuous(parts.turns))
-    return {name: _narrowed(values) for name, values in parts._asdict().items() if (values != values[0]).any()}
+    moving = {name: _narrowed(values) for name, values in parts._asdict().items() if (values != values[0]).any()}
+    return moving or {"path": parts.path}
 
 
 def _narrowed(values: Array) -> Array:
