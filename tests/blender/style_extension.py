@@ -201,3 +201,12 @@ for path, found in ((linked, str((installed / "python").resolve())), (folder, No
 refused(bpy.ops.geodesic.in_betweens, "geomstats-anim is not found")
 armature.animation_data.action = None
 refused(bpy.ops.geodesic.in_betweens, "no action")
+
+# what is linked from another file cannot be changed
+bpy.ops.object.mode_set(mode="OBJECT")
+bpy.ops.wm.save_as_mainfile(filepath=f"{folder}/rig.blend", copy=True)
+with bpy.data.libraries.load(f"{folder}/rig.blend", link=True) as (there, here):
+    here.objects = [armature.name]
+bpy.context.collection.objects.link(here.objects[0])
+bpy.context.view_layer.objects.active = here.objects[0]
+refused(bpy.ops.geodesic.in_betweens, "is linked from another file")

@@ -84,6 +84,8 @@ def fill(armature, scope=None):
 def check_action(armature):
     """Refuse an armature without an action of its own, or with a metric that cannot be read."""
     animation = armature.animation_data
+    if not armature.is_editable:
+        raise FillError(f"{armature.name} is linked from another file; make a library override of it.")
     if animation is None or animation.action is None or animation.action_slot is None:
         raise FillError(f"{armature.name} has no action, so there are no keys to go between.")
     if animation.use_tweak_mode:
