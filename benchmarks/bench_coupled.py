@@ -68,15 +68,22 @@ def main():
         straight, bent = root_errors(animation, uniform_keyframes(animation.n_frames, RATE))
         print(f"{name} | {straight:.2f} | {bent:.2f}")
     print()
-    print("clip | slerp | diag | spd |", " | ".join(f"coupled, {share:g}" for share in SHRINKAGES), "| ms a log")
+    print(
+        "clip | slerp | diagonal | spd | coupled | seconds to learn it |",
+        " | ".join(f"of motion, {share:g}" for share in SHRINKAGES),
+        "| ms a log",
+    )
     for name in names:
         animation = clip(name)
         keys = uniform_keyframes(animation.n_frames, RATE)
         kept = animation.at_frames(keys)
         figures = [error(interpolate(kept, animation.times, "slerp").rotations, animation.rotations)]
-        for family in ("diagonal", "spd"):
+        for family in ("diagonal", "spd", "coupled"):
+            start = time.process_time()
             metric = learn_metric(animation, keys, family=family, scheme="geodesic", kind="rot")
+            learning = time.process_time() - start
             figures.append(error(interpolate(kept, animation.times, "geodesic", metric).rotations, animation.rotations))
+        figures.append(learning)
         space = PoseSpace(animation.n_joints, equip=False)
         for shrinkage in SHRINKAGES:
             matrix = matrix_of_motion(quat.to_matrix(animation.rotations), shrinkage)

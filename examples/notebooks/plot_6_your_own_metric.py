@@ -60,10 +60,9 @@ times = np.linspace(0.0, 30.0, 900)
 path = space.metric.geodesic(space.identity, initial_tangent_vec=vector)(times)[:, 0]
 turns = Rotation.from_matrix(np.swapaxes(path[:-1], -1, -2) @ path[1:]).as_rotvec() / np.diff(times)[:, None]
 velocity = turns @ Rotation.from_rotvec(np.array(parameters.axes[0])).as_matrix().T
-figure, axes = plt.subplots(figsize=(9, 3))
+figure, axes = plt.subplots(figsize=(9, 3), layout="constrained")
 for values, color, name in zip(velocity.T, ("#7b3fb5", "#d81b60", "#1d9a8a"), ("1", "2", "3"), strict=True):
     axes.plot(times[:-1], values, color=color, label=f"principal axis {name}")
 axes.set(xlabel="time", ylabel="radians per unit of time")
-axes.legend(loc="upper right")
-figure.tight_layout()
+axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
 plt.show()

@@ -29,7 +29,8 @@ class CoupledPoseMetric(RiemannianMetric):
     """Invariant metric on the pose Lie group with one matrix over all bones: a turn of one may ask for turns of others.
 
     Where the matrix is block diagonal, it is a `PoseMetric`, which is much faster. Logarithms are the geodesics that
-    continuation from the bi-invariant metric leads to; they are the shortest near the base point.
+    Newton's method finds from the bi-invariant one, or else continuation in the metric; they are the shortest near the
+    base point. Bones that are not coupled, not even through others, are solved apart.
 
     Parameters
     ----------

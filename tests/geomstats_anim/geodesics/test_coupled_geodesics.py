@@ -84,7 +84,7 @@ def test_keys_are_met_and_energy_is_constant(rng):
     assert np.abs(np.einsum("fi,ij,fj->f", acceleration, matrix, velocity)).max() < 1e-9 * energy.max()
 
 
-@pytest.mark.parametrize("tension", [0.0, 0.6, 1.7])
+@pytest.mark.parametrize("tension", [*(pytest.param(t, marks=pytest.mark.slow) for t in (0.0, 0.6)), 1.7])
 def test_derivatives_are_those_of_finite_differences(rng, tension):
     keys, curve = keys_of(rng), curve_of(rng, tension)
     index, fraction = frames(keys, 11)
