@@ -302,3 +302,16 @@ def test_transforms_that_move_the_character(tmp_path, run):
     assert code == 0 and "no faults" in out
     sentence = "at time code 10 it is not finite; usd_tools.repair fills it in."
     assert sentence in run("upsample", tmp_path / "in.usda", "-o", tmp_path / "up.usda", "--factor", 2)[2]
+
+
+def test_weights_without_any_number_do_not_keep_the_joints_from_it(tmp_path, run):
+    stage = make_rig(tmp_path / "in.usda", codes=range(N), rotations=faulty()[1])
+    stage.GetPrimAtPath(ANIMATION).GetAttribute("blendShapes").Set(["smile", "frown"])
+    set_samples(stage, "blendShapeWeights", range(N), np.tile([[np.nan], [0.5]], (N, 1, 1)).astype(np.float32))
+    stage.Save()
+    code, out, err = run("repair", tmp_path / "in.usda", "-o", tmp_path / "out.usda")
+    assert code == 0 and "2 gaps, 1 spike, 1 drop-out" in out
+    assert err == (
+        f"warning: {ANIMATION}: blendShapeWeights have no number for a shape; the weights are left as they are.\n"
+    )
+    assert np.isnan(repaired(tmp_path / "out.usda", "blendShapeWeights")[:, 0]).all()

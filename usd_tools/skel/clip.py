@@ -334,7 +334,7 @@ def read_clip(source: AnimationSource, fills_gaps: bool = False) -> SkelClip:
     channels, notes = read_channels(source, joints, fills_gaps)
     gaps: dict[str, Gaps] = {}
     if fills_gaps:
-        channels, gaps = fill_gaps(source.path, joints, channels)
+        channels, gaps = fill_gaps(source.path, joints, channels, notes)
     check_rotations(source.path, joints, channels.get("rotations"))
     rate = source.stage.GetTimeCodesPerSecond()
     for channel in channels.values():

@@ -51,7 +51,7 @@ def space_of(name: str, unit: float = 1.0) -> Space:
 
 
 def fill_gaps(
-    path: str, joints: Sequence[str], channels: Mapping[str, Channel]
+    path: str, joints: Sequence[str], channels: Mapping[str, Channel], notes: list[str]
 ) -> tuple[dict[str, Channel], dict[str, Gaps]]:
     """Fill in what is missing in channels, between the samples beside it.
 
@@ -61,6 +61,8 @@ def fill_gaps(
         Of the animation.
     joints : sequence of str, shape=[N]
     channels : mapping of str to Channel
+    notes : list of str
+        Told of weights of blend shapes that are left, as no sample of one of them is a value.
 
     Returns
     -------
@@ -83,8 +85,12 @@ def fill_gaps(
         live = ~channel.blocked
         lost = np.flatnonzero(where[live].all(axis=0))
         if len(lost):
-            of = f"joint {short_names(joints)[joints[lost[0]]]}" if name != "blendShapeWeights" else f"shape {lost[0]}"
-            raise ToolError(f"{path}: {name} of {of} have no sample that is a number; repair the file.")
+            if name != "blendShapeWeights":
+                joint = short_names(joints)[joints[lost[0]]]
+                raise ToolError(f"{path}: {name} of joint {joint} have no sample that is a number; repair the file.")
+            notes.append(f"{path}: {name} have no number for a shape; the weights are left as they are.")
+            del filled[name]
+            continue
         values = channel.values.copy()
         # what is filled in goes on, where a joint is at rest beside a gap it is no rotation, too
         good = np.where(has_no_length(values)[..., None], IDENTITY, values) if name == "rotations" else values
