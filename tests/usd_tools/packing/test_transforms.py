@@ -9,7 +9,7 @@ from geomstats_anim.markers import Markers, distances_between, joint_matrices
 from usd_tools.pack import PackOptions, pack_stage
 from usd_tools.skel.clip import read_clip
 from usd_tools.skel.find import find_animations
-from usd_tools.skel.packed import PACKED
+from usd_tools.skel.packed import PACKED, packed_bytes
 from usd_tools.skel.resampling import animation_of
 from usd_tools.unpack import unpack_stage
 
@@ -226,3 +226,22 @@ def test_open_stages_are_packed_and_unpacked(source):
     unpack_stage(stage)
     assert op.GetTimeSamples() == CODES
     assert max((op.Get(code) - before[code]).GetLength() for code in CODES) <= TOLERANCE
+
+
+def test_jumps_and_holds_of_a_transform_survive_and_cost_little(tmp_path, run):
+    sizes = {}
+    for jump in (0.0, 500.0):
+        path = tmp_path / f"in{jump:g}.usda"
+        stage = make_rig(path, codes=CODES, rotations=random_rotations(N, 3))
+        op = UsdGeom.Xformable(stage.GetPrimAtPath("/Rig")).AddTranslateOp()
+        for k in CODES:
+            op.Set(Gf.Vec3d(jump * (k > 11) + 3.0 * min(k, 18), 0.0, 0.0), k)
+        stage.GetRootLayer().Save()
+        words = ["--tolerance", TOLERANCE, "--effort", "fast"]
+        assert run("pack", path, "-o", tmp_path / "packed.usdc", *words)[0] == 0
+        (found,) = find_animations(Usd.Stage.Open(str(tmp_path / "packed.usdc")))
+        sizes[jump] = packed_bytes(found.prim)
+        run("unpack", tmp_path / "packed.usdc", "-o", tmp_path / "back.usda")
+        moved = np.array(values(tmp_path / "back.usda", TRANSLATE)[1])[:, 0]
+        np.testing.assert_allclose(moved, [op.Get(k)[0] for k in CODES], atol=TOLERANCE)
+    assert sizes[500.0] < sizes[0.0] + 100
