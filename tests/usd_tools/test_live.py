@@ -41,6 +41,8 @@ def test_refuses_before_anything_opens(run, rig, tmp_path, monkeypatch):
         [rig, "-o", rig],
         [rig, "-o", tmp_path / "no folder" / "out.usda"],
         [rig, "--prim", "/Nothing"],
+        [rig, "--library", tmp_path / "nothing.inbetween"],
+        [rig, "--library", tmp_path / "broken.usda"],
     ):
         code, out, err = run("live", *words, "--no-browser")
         assert code == 1 and out == "" and err.startswith("error: ") and err.count("\n") == 1, words
