@@ -1,7 +1,9 @@
 """What scripts that run the extension share: it is installed from its zip by Blender's own command."""
 
 import math
+import subprocess
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
@@ -11,7 +13,11 @@ MODULE = "bl_ext.user_default.geomstats_anim"
 
 
 def install(archive, python):
-    """Install the zip into the user's extensions, enable it, and choose the Python that computes."""
+    """Validate the zip, install it into the user's extensions, enable it, and choose the Python that computes."""
+    import bl_pkg
+
+    command = Path(bl_pkg.__file__).parent / "cli" / "blender_ext.py"
+    subprocess.run([sys.executable, command, "validate", archive, "--valid-tags", ""], check=True)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     done = bpy.ops.extensions.package_install_files(filepath=archive, repo="user_default", enable_on_install=True)
     assert done == {"FINISHED"} and MODULE in bpy.context.preferences.addons
