@@ -60,8 +60,8 @@ function draw() {
     body, matrices: track === tracks[0] ? truth : character.matrices(track.motion, frame),
     color: inFile ? null : rgb(track.color), opacity: overlaid && track !== tracks[0] ? 0.6 : 1,
   }));
-  const views = overlaid ? [figures] : figures.map((figure) => [figure]);
-  const columns = views.length > 4 ? Math.ceil(views.length / 2) : Math.max(1, views.length);
+  const views = overlaid || !figures.length ? [figures] : figures.map((figure) => [figure]);
+  const columns = views.length > 4 ? Math.ceil(views.length / 2) : views.length;
   stage.draw(views, columns, at("follow").checked ? character.following(truth) : character.whole());
   name(overlaid ? [] : visible(), columns);
   chart.mark(frame);

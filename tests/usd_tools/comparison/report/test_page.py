@@ -137,6 +137,13 @@ def test_player_plays(folder, tmp_path):
         assert tab.locator("#errors polyline").count() == 3
         box.uncheck()
         until(tab, "document.getElementById('names').dataset.words === 'original,linear,slerp'")
+        for each in tab.locator("#legend input").all():
+            each.uncheck()
+        until(tab, "document.getElementById('names').dataset.words === ''")
+        assert tab.locator("#errors polyline").count() == 0
+        tab.locator("#legend input").nth(0).check()
+        tab.locator("#legend input").nth(3).check()
+        until(tab, "document.getElementById('names').dataset.words === 'original,slerp'")
         tab.select_option("#layout", "overlaid")
         until(tab, "document.getElementById('names').dataset.words === ''")
 
