@@ -84,6 +84,8 @@ class Residual:
         n_segments, n_functions, n_joints, _ = self.weights.shape
         values = basis(fraction, n_functions - 2, order)
         flat = self.weights.reshape(n_segments, n_functions, 3 * n_joints)
+        if len(segment) <= n_segments:  # each segment about once
+            return np.matmul(values[:, None], flat[segment]).reshape(-1, n_joints, 3)
         out = np.empty((len(fraction), 3 * n_joints))
         bounds = np.searchsorted(segment, np.arange(n_segments + 1))
         for k in np.unique(segment):

@@ -78,7 +78,7 @@ def errors_left_out(
     found: Array = np.asarray(np.tensordot(middle, predicted[chosen], (0, 1)), dtype=np.float64)
     middles, clips = samples.middles[chosen], samples.clip[chosen]
     hidden = HiddenPoses(skeleton, parts, middles, found, quat.multiply(middles, quat.exp(missed)))
-    ends = np.stack([hidden.torso_ends([0] * (len(parts.joints) - 1)), *hidden.limb_ends])
+    ends = np.stack([hidden.torso_ends(np.zeros(len(parts.joints) - 1, dtype=np.intp)), *hidden.limb_ends])
     errors = np.stack([hidden.angles, ends], axis=1)
     ratios = np.full((samples.clip.max() + 1, len(parts.joints), len(SHARES), 2), np.nan)
     for clip in np.unique(clips):

@@ -57,12 +57,12 @@ class GapModel:
         """Predict the weights of sines, shape=[n, N, B, 3], radians."""
         scales = contexts.scales(parts)
         kernels = self.centres.kernels(features_of(contexts, parts, self.reductions, scales))
-        n, n_joints = len(scales), contexts.increments.shape[2]
-        sines = np.empty((n, self.n_sines, n_joints, 3))
-        for p, joints in enumerate(parts.joints):
-            found = scales[:, p, None] * (kernels[p] @ self._weights[p])
-            sines[:, :, joints] = found.reshape(n, self.n_sines, len(joints), 3)
-        return sines
+        kernels *= scales.T[..., None]
+        found = [
+            (kernel @ weights).reshape(len(scales), self.n_sines, -1, 3)
+            for kernel, weights in zip(kernels, self._weights, strict=True)
+        ]
+        return np.concatenate(found, axis=2)[:, :, np.argsort(np.concatenate(parts.joints))]
 
 
 def fit_gap(

@@ -13,6 +13,7 @@ from geomstats_anim.animation import Animation
 from geomstats_anim.learning.library.actions import cluster_clips
 from geomstats_anim.learning.library.doubts import LeftOut, doubts_of, errors_left_out
 from geomstats_anim.learning.library.gap_model import GapModel, fit_gap, nearest_models
+from geomstats_anim.learning.library.mirror import Mirror, mirror_of
 from geomstats_anim.learning.library.motion_library import MotionLibrary
 from geomstats_anim.learning.library.one_thread import one_thread
 from geomstats_anim.learning.library.parts import BodyParts, body_parts
@@ -78,13 +79,16 @@ def learn_library(
     skeleton, up = clips[0].skeleton, np.array(vertical, dtype=np.float64)
     if any(clip.skeleton.joints != skeleton.joints for clip in clips):
         raise ValueError("A library is of one rig, but the joints of the clips differ.")
-    parts = body_parts(skeleton)
+    parts, mirror = body_parts(skeleton), mirror_of(skeleton, up)
     with one_thread():
-        task = _GapTask(clips, parts, up, _actions(clips, parts, up), seed)
+        actions = _actions(clips, parts, up)
+        if mirror is not None:
+            clips, actions = [*clips, *map(mirror.animation, clips)], np.tile(actions, 2)
+        task = _GapTask(clips, parts, up, actions, seed)
         fits = [fit for fit in _spread(task, gaps, progress, address, cpus) if fit is not None]
     if not fits:
         raise ValueError("The clips are too short to learn from: none has two gaps of two frames.")
-    return MotionLibrary(skeleton, up, _with_doubts(fits), dict(provenance or {}))
+    return MotionLibrary(skeleton, up, _with_doubts(fits, parts, mirror), dict(provenance or {}))
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,11 +138,17 @@ def _spread(
         return ray_runtime.map_tasks(task, gaps, progress)
 
 
-def _with_doubts(fits: Sequence[tuple[GapModel, LeftOut]]) -> tuple[GapModel, ...]:
-    """Give each model its doubts, from the errors of that of twice its length."""
+def _with_doubts(
+    fits: Sequence[tuple[GapModel, LeftOut]], parts: BodyParts, mirror: Mirror | None
+) -> tuple[GapModel, ...]:
+    """Give each model its doubts, from the errors of that of twice its length; both sides of the body the same."""
+    other = np.arange(len(parts.joints))
+    if mirror is not None:
+        other = parts.of_joint[mirror.counterpart[[joints[0] for joints in parts.joints]]]
     models = [model for model, _ in fits]
     doubles = nearest_models(models, np.array([2.0 * model.gap for model in models]))
-    return tuple(
-        replace(model, doubts=doubts_of(left_out, fits[double][1] if double >= 0 else None))
-        for (model, left_out), double in zip(fits, doubles, strict=True)
-    )
+    found = []
+    for (model, left_out), double in zip(fits, doubles, strict=True):
+        doubts = doubts_of(left_out, fits[double][1] if double >= 0 else None)
+        found.append(replace(model, doubts=np.maximum(doubts, doubts[other])))
+    return tuple(found)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -17,6 +17,7 @@ from geomstats_anim.interpolation.splines import PoseSpline
 from geomstats_anim.interpolation.tangents import STILL
 from geomstats_anim.learning.library.context import Contexts, contexts_of
 from geomstats_anim.learning.library.gap_model import GapModel, nearest_models
+from geomstats_anim.learning.library.mirror import Mirror, mirror_of
 from geomstats_anim.learning.library.one_thread import one_thread
 from geomstats_anim.learning.library.parts import BodyParts, body_parts
 from geomstats_anim.learning.library.samples import GAP_RATE
@@ -51,6 +52,11 @@ class MotionLibrary:
     vertical: Array
     models: tuple[GapModel, ...]
     provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def mirror(self) -> Mirror | None:
+        """Return how the rig is mirrored; None if names or bones have no sides."""
+        return mirror_of(self.skeleton, self.vertical)
 
     @cached_property
     def parts(self) -> BodyParts:
@@ -115,11 +121,21 @@ class MotionLibrary:
         )
 
     def _residual(self, times: Array, rotations: Array) -> Residual:
-        gaps = np.diff(times)
-        return _joined(rotations, gaps, self._sines(gaps, self._contexts(times, rotations)))
+        (sines,) = self._predict([(times, rotations)])
+        return _joined(rotations, np.diff(times), sines)
 
-    def _contexts(self, times: Array, rotations: Array) -> Contexts:
-        return contexts_of(times, rotations, self.parts.trunk, self.vertical)
+    def _predict(self, stretches: Sequence[tuple[Array, Array]]) -> list[Array]:
+        """Predict the sines of stretches, times and rotations; the mean over both images where the rig is mirrored."""
+        images = list(stretches)
+        if self.mirror is not None:
+            images += [(times, self.mirror.rotations(rotations)) for times, rotations in stretches]
+        gaps = [np.diff(times) for times, _ in images]
+        contexts = Contexts.joined([contexts_of(*each, self.parts.trunk, self.vertical) for each in images])
+        sines = np.split(self._sines(np.concatenate(gaps), contexts), np.cumsum([len(each) for each in gaps])[:-1])
+        if self.mirror is None:
+            return sines
+        pairs = zip(sines, sines[len(stretches) :], strict=False)
+        return [0.5 * (each + self.mirror.rotation_vectors(image)) for each, image in pairs]
 
     def _sines(self, gaps: Array, contexts: Contexts) -> Array:
         """Predict all segments, each by the model of the nearest gap, seconds; 0 where none is near."""
@@ -137,11 +153,10 @@ class MotionLibrary:
         for first in (0, 1):
             kept = slice(first, len(times) - (len(times) - first + 1) % 2, 2)
             halves.append((times[kept], rotations[kept], slice(first + 1, kept.stop - 1, 2)))
-        gaps = [np.diff(ends) for ends, _, _ in halves]
-        contexts = Contexts.joined([self._contexts(ends, keys) for ends, keys, _ in halves])
-        sines = np.split(self._sines(np.concatenate(gaps), contexts), [len(gaps[0])])
+        sines = self._predict([(ends, keys) for ends, keys, _ in halves])
         splines, residuals, truth = [], [], []
-        for (ends, keys, hidden), durations, half in zip(halves, gaps, sines, strict=True):
+        for (ends, keys, hidden), half in zip(halves, sines, strict=True):
+            durations = np.diff(ends)
             segment, fraction = np.arange(len(durations)), (times[hidden] - ends[:-1]) / durations
             splines.append(PoseSpline(ends, keys, curve.metric, curve.tension)(segment, fraction))
             residuals.append(_joined(keys, durations, half)(segment, fraction))

@@ -68,12 +68,12 @@ class HiddenPoses:
         distances = np.linalg.norm(self._ends_of(poses) - self._ends, axis=-1)
         return np.array([distances[..., joints].mean(axis=-1) for joints in self.parts.joints[1:]])
 
-    def torso_ends(self, limbs: list[int]) -> Array:
+    def torso_ends(self, limbs: np.ndarray) -> Array:
         """Return the distances of all bone ends by the share of the torso, shape=[shares, n].
 
         Parameters
         ----------
-        limbs : list of int
+        limbs : array-like of int, shape=[limbs]
             Indices of the shares of the limbs.
         """
         poses = self._turned.copy()
@@ -106,10 +106,11 @@ def best_shares(hidden: HiddenPoses, doubts: Array) -> Array:
     -------
     shares : array-like, shape=[parts]
     """
-    limbs = [_best(*errors) for errors in zip(hidden.angles[1:], hidden.limb_ends, doubts[1:], strict=True)]
-    of_torso = doubts[0] * [1.0, 0.0] if limbs else doubts[0]
-    torso = _best(hidden.angles[0], hidden.torso_ends(limbs), of_torso)
-    return SHARES[[torso, *limbs]]
+    n_limbs = len(doubts) - 1
+    limbs = _best(hidden.angles[1:], hidden.limb_ends, doubts[1:]) if n_limbs else np.empty(0, dtype=np.intp)
+    of_torso = doubts[:1] * [1.0, 0.0] if n_limbs else doubts
+    torso = _best(hidden.angles[:1], hidden.torso_ends(limbs)[None], of_torso)
+    return SHARES[np.concatenate([torso, limbs])]
 
 
 def ratios_to_spline(errors: Array) -> Array:
@@ -117,11 +118,11 @@ def ratios_to_spline(errors: Array) -> Array:
     return errors / np.maximum(errors[..., :1, :].mean(axis=-1, keepdims=True), _LEAST)
 
 
-def _best(angles: Array, ends: Array, doubts: Array) -> int:
-    """Return the index of the best share, from the errors of each, shape=[shares, n]."""
-    ratios, n = ratios_to_spline(np.stack([angles, ends])), angles.shape[1]
-    more = ratios - ratios[:, :1]
-    mean = more.mean(axis=-1) + doubts.T
+def _best(angles: Array, ends: Array, doubts: Array) -> np.ndarray:
+    """Return the index of the best share of each part, from its errors with each, shape=[parts, shares, n]."""
+    ratios, n = ratios_to_spline(np.stack([angles, ends])), angles.shape[-1]
+    more = ratios - ratios[:, :, :1]
+    mean = more.mean(axis=-1) + doubts.transpose(2, 0, 1)
     deviation = more.mean(axis=0).std(axis=-1)
     cost = mean.mean(axis=0) + _CONFIDENCE * deviation / np.sqrt(n) + _CAUTION / n**2 * SHARES
-    return int(np.argmin(np.where((mean <= 0.0).all(axis=0), cost, np.inf)))
+    return np.where((mean <= 0.0).all(axis=0), cost, np.inf).argmin(axis=-1)

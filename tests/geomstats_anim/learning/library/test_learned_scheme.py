@@ -73,6 +73,16 @@ def test_neither_heading_nor_place_nor_the_start_matters(unseen, keys):
     np.testing.assert_allclose(quat.distance(other.rotations, expected), 0.0, atol=1e-9)
 
 
+def test_left_and_right_are_treated_alike(unseen, keys):
+    mirror = library().mirror
+    curve, other = Learned(keys, None, library()), Learned(mirror.animation(keys), None, library())
+    assert curve.help.residual is not None
+    expected = mirror.rotations(curve(unseen.times).rotations)
+    np.testing.assert_allclose(quat.distance(other(unseen.times).rotations, expected), 0.0, atol=1e-7)
+    shares = [[part.share for part in each.help.parts] for each in (curve, other)]
+    assert shares[0] == [shares[1][i] for i in (0, 2, 1, 4, 3)]
+
+
 def test_the_order_of_joints_does_not_matter(unseen, keys):
     order = [0, 13, 14, 15, 10, 11, 12, 1, 2, 7, 8, 9, 4, 5, 6, 3]
     skeleton, place = keys.skeleton, np.argsort(order)
