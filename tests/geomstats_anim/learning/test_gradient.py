@@ -211,7 +211,7 @@ def test_left_jacobian_against_finite_differences():
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        ({"family": "full"}, "^There is no family 'full'; the families are diagonal, spd[.]$"),
+        ({"family": "full"}, "^There is no family 'full'; the families are diagonal, spd, coupled[.]$"),
         ({"invariance": "both"}, "^There is no invariance 'both'; the choices are left, right, clip, joint[.]$"),
     ],
 )

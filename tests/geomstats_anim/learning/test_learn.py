@@ -122,7 +122,7 @@ def renamed(animation):
         ({"search": "grid"}, "There is no search 'grid'; the choices are gradient, tpe, tpe-joint."),
         ({"purpose": "win"}, "There is no purpose 'win'; the choices are reconstruct, predict."),
         ({"scheme": "slerp"}, "There is no scheme 'slerp'; the choices are geodesic, geodesic-spline."),
-        ({"family": "full"}, "There is no family 'full'; the families are diagonal, spd."),
+        ({"family": "full"}, "There is no family 'full'; the families are diagonal, spd, coupled."),
         ({"invariance": "both"}, "There is no invariance 'both'; the choices are left, right, clip, joint."),
         ({"kind": "all"}, "There is no quality 'all'; the kinds are loc, rot, hyb."),
         ({"weights": [1.0]}, "weights has shape (1,), but 6 numbers that are at least 0 are needed."),
