@@ -25,7 +25,9 @@ from geomstats_anim import (
     quality,
     uniform_keyframes,
 )
+from geomstats_anim.contacts import Plants, find_contacts, plant
 from geomstats_anim.interpolation.tangents import hermite
+from geomstats_anim.markers import joint_matrices
 from geomstats_anim.rotations import Array, distance
 from usd_tools.example_clips.biped import INDEX, OFFSETS, PARENTS, joint_paths
 from usd_tools.example_clips.motions import MOTIONS
@@ -309,12 +311,53 @@ def keys() -> Figure:
     return figure
 
 
+def contacts() -> Figure:
+    """Draw how far the feet of the pitcher are from their places, rebuilt from a tenth of the frames."""
+    animation, up = clip("pitching"), np.array([0.0, 1.0, 0.0])
+    found = find_contacts(animation, up)
+    keys = animation.at_frames(uniform_keyframes(animation.n_frames, 0.1))
+    plants = Plants.of(found, animation).through_keys(keys)
+    times = np.union1d(animation.times, plants.probes())
+    spline = interpolate(keys, times)
+    rows = {
+        "slerp": (interpolate(keys, times, "slerp"), look("slerp").color),
+        "spline": (spline, FAINT),
+        "spline, --contacts": (
+            plant(spline, keys, plants, MetricParameters.identity(animation.n_joints)).animation,
+            look("geodesic-spline").color,
+        ),
+    }
+    figure = Figure(figsize=(11.0, 4.2), layout="constrained")
+    feet = [
+        list(animation.skeleton.joints).index(joint) for joint in animation.skeleton.joints if joint.endswith("Foot")
+    ]
+    for axes, foot in zip(figure.subplots(len(feet), 1, sharex=True), feet, strict=True):
+        truth = world_places(interpolate(animation, times, "linear"), foot)
+        planted = found.planted[:, found.joints == foot].any(axis=1)
+        for start in np.flatnonzero(planted):
+            axes.axvspan(*animation.times[start : start + 2], color=TRUTH, alpha=0.25, lw=0)
+        for name, (motion, color) in rows.items():
+            away = 100.0 * np.linalg.norm(world_places(motion, foot) - truth, axis=-1)
+            axes.plot(times, away, color=color, lw=1.8, label=name)
+        axes.plot(keys.times, np.zeros(keys.n_frames), "o", color=INK, ms=4, clip_on=False)
+        axes.set(ylabel=f"{animation.skeleton.joints[foot].rsplit('/', 1)[-1]}, cm", ylim=(0.0, None))
+    axes.set_xlabel("seconds")
+    figure.axes[0].legend(frameon=False, fontsize=9.5)
+    return figure
+
+
+def world_places(animation: Animation, joint: int) -> Array:
+    """Return where a joint is in each frame, metres, shape=[F, 3]."""
+    return joint_matrices(animation)[:, joint, :, 3]
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
     "geodesics": geodesics,
     "tension": tension,
     "landscape": landscape,
     "rates": rates,
     "keys": keys,
+    "contacts": contacts,
 }
 
 

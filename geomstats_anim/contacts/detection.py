@@ -1,8 +1,9 @@
 """Find which points of a body are planted on the ground, and when: those that are low and still, by no names.
 
 A point is planted where it is near the lowest height at which it rests, and slow. It lands below both thresholds, and
-lifts above twice of either, so that noise does not part a step in two. Motion that is dense and keys that are sparse
-are judged alike, from one sample to the next: between sparse keys a planted point has hardly moved.
+lifts above half as much again, so that noise does not part a step in two; or where it has drifted off. Motion that is
+dense and keys that are sparse are judged alike, from one sample to the next: between sparse keys a planted point has
+hardly moved.
 """
 
 from __future__ import annotations
@@ -38,7 +39,8 @@ class ContactParameters:
     speed : float
         Centimetres per second below which it lands.
     drift : float
-        Centimetres by which it may be elsewhere at the next sample, however long after.
+        Centimetres by which it may be elsewhere at the next sample, however long after; and half as much again from
+        where it rests on average.
     shortest : float
         Seconds that it stays planted at least.
     window : float
@@ -175,6 +177,8 @@ def find_contacts(
     allowed = 0.01 * parameters.height
     lands = (speeds <= limits) & (rises <= allowed)
     stays = (speeds <= _HYSTERESIS * limits) & (rises <= _HYSTERESIS * allowed)
+    stays = _runs_with(stays, lands)
+    stays &= _near_rest(places, stays, lands) <= _HYSTERESIS * 0.01 * parameters.drift
     planted = _long_enough(_runs_with(stays, lands), np.diff(animation.times), parameters.shortest)
     some = planted.any(axis=0)
     return Contacts(up, animation.times, candidates[some], planted[:, some], ground)
@@ -223,6 +227,16 @@ def _runs_with(runs: np.ndarray, marks: np.ndarray) -> np.ndarray:
     labels = _labels(runs)
     marked = np.bincount(labels[marks & runs], minlength=labels.max(initial=0) + 1) > 0
     return runs & marked[labels]
+
+
+def _near_rest(places: Array, runs: np.ndarray, marks: np.ndarray) -> Array:
+    """Return how far points are, from each sample to the next, from their mean place where a run has marks."""
+    labels, marked = _labels(runs), marks & runs
+    counts = np.maximum(np.bincount(labels[marked], minlength=labels.max(initial=0) + 1), 1)
+    middles = 0.5 * (places[1:] + places[:-1])
+    sums = [np.bincount(labels[marked], middles[marked][:, k], minlength=len(counts)) for k in range(3)]
+    rest = (np.stack(sums, axis=-1) / counts[:, None])[labels]
+    return np.maximum(*(np.linalg.norm(ends - rest, axis=-1) for ends in (places[1:], places[:-1])))
 
 
 def _long_enough(runs: np.ndarray, durations: Array, shortest: float) -> np.ndarray:

@@ -11,7 +11,7 @@ the body comes last, where the joints below do not suffice. It is found by the G
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -124,28 +124,38 @@ class Body:
         -------
         rotations, translations : array-like, shape=[F, J, 4], shape=[F, J, 3]
         """
-        parts = [
-            self._solved(frames[some], goals[some], weights[some])
-            for some in (slice(start, start + _CHUNK) for start in range(0, len(frames), _CHUNK))
-        ]
-        rotations, translations = zip(*parts, strict=True)
-        return np.concatenate(rotations), np.concatenate(translations)
+        rotations, translations = self.dense.rotations[frames], self.dense.translations[frames]
+        patterns, pattern = np.unique(weights > 0.0, axis=0, return_inverse=True)
+        for k in np.flatnonzero(patterns.any(axis=1)):
+            active = patterns[k]
+            body, alike = self._of_points(active), np.flatnonzero(pattern.ravel() == k)
+            for start in range(0, len(alike), _CHUNK):
+                some = alike[start : start + _CHUNK]
+                goal, weight = (each[some][:, active] for each in (goals, weights))
+                rotations[some], translations[some] = body._solved(frames[some], goal, weight)
+        return rotations, translations
+
+    def _of_points(self, active: np.ndarray) -> Body:
+        """Take some of the points, as a mask."""
+        return replace(self, points=self.points[active], is_above=self.is_above[active])
 
     def _solved(self, frames: np.ndarray, goals: Array, weights: Array) -> tuple[Array, Array]:
         motion = self.dense.at_frames(frames)
         rotations, translations = np.array(motion.rotations), np.array(motion.translations)
+        above = np.flatnonzero(self.is_above.any(axis=0))
         units, root_units = self._units(frames, rotations)
+        units = units[:, above]
         softness = self.size**2 * (_SOFT * (1.0 - weights) / np.maximum(weights, _NEARLY_NONE) + _DAMPING)
         softness = np.repeat(softness, 3, axis=1)
         matrices, forces = joint_matrices(motion), np.zeros_like(softness)
         for _ in range(_ITERATIONS):
-            spread = self._derivative(matrices, motion.world, units, root_units)
+            spread = self._derivative(matrices, motion.world, above, units, root_units)
             missing = (goals - matrices[..., 3][:, self.points]).reshape(len(frames), -1)
             added = _solve(spread @ spread.swapaxes(1, 2), softness, missing - softness * forces)
             forces += added
             moves = (added[:, None] @ spread).reshape(len(frames), -1, 3)
             turns = (units @ moves[:, :-1, :, None])[..., 0]
-            rotations = quat.multiply(rotations, quat.exp(turns))
+            rotations[:, above] = quat.multiply(rotations[:, above], quat.exp(turns))
             translations[:, self.root] += root_units[:, None] * moves[:, -1]
             if np.abs(turns).max(initial=0.0) < _ENOUGH:
                 break
@@ -168,14 +178,17 @@ class Body:
             units[:, right] = quat.to_matrix(rotations[:, right]).swapaxes(-1, -2) @ units[:, right]
         return units, _ROOT * self.size * free[:, -1]
 
-    def _derivative(self, matrices: Array, world: Array | None, units: Array, root_units: Array) -> Array:
-        """Return how points move with the units of the joints' turns, and of the root, shape=[F, 3 P, 3 J + 3]."""
-        axes, origins = matrices[..., :3], matrices[..., 3]
+    def _derivative(
+        self, matrices: Array, world: Array | None, above: np.ndarray, units: Array, root_units: Array
+    ) -> Array:
+        """Return how points move with the units of turns of joints above, and of the root, shape=[F, 3 P, 3 A + 3]."""
+        axes, origins = matrices[:, above, :, :3], matrices[..., 3]
         if self.dense.scales is not None or world is not None:
             lengths = np.linalg.norm(axes, axis=-2, keepdims=True)
             axes = axes / np.where(lengths > 0.0, lengths, 1.0)
-        arms = (origins[:, self.points, None] - origins[:, None]) * self.is_above[..., None]  # shape=[F, P, J, 3]
-        moved = np.empty((len(matrices), len(self.points), 3, len(self.joints) + 1, 3))
+        arms = origins[:, self.points, None] - origins[:, None, above]  # shape=[F, P, A, 3]
+        arms *= self.is_above[:, above, None]
+        moved = np.empty((len(matrices), len(self.points), 3, len(above) + 1, 3))
         # a turn w of a joint moves a point by (axes w) x arm
         x, y, z = ((axes @ units)[:, None, :, k] for k in range(3))
         u, v, w = (arms[..., k, None] for k in range(3))

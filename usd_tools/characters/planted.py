@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from geomstats_anim import Animation
-from geomstats_anim.contacts import Plants, find_contacts
+from geomstats_anim.contacts import Contacts, Plants, find_contacts
 from usd_tools.characters.placement import placed
 from usd_tools.skel.clip import SkelClip
+from usd_tools.skel.resampling import sampled_together
 from usd_tools.skel.source_codes import stored_source_codes
 from usd_tools.skel.stored_contacts import StoredContacts, read_contacts
 from usd_tools.skel.vertical import up_in_world
@@ -28,6 +29,21 @@ def found_plants(clip: SkelClip, motion: Animation) -> Plants:
     """
     there = placed(clip, motion)
     return Plants.of(find_contacts(there, up_in_world(clip)), there)
+
+
+def find_clip_contacts(clip: SkelClip) -> list[Contacts]:
+    """Find what is planted in each stretch of the motion of a clip, as USD shows it; nothing where no joint turns.
+
+    Parameters
+    ----------
+    clip : SkelClip
+        Without gaps.
+    """
+    names = [name for name, channel in clip.channels.items() if channel.is_animated]
+    if "rotations" not in names:
+        return []
+    up, together = up_in_world(clip), sampled_together(clip)
+    return [find_contacts(placed(clip, keys), up) for _, keys in together.stretches(names)]
 
 
 def contacts_to_store(clip: SkelClip, motions: list[Animation]) -> StoredContacts:

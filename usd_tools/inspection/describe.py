@@ -43,11 +43,11 @@ _WIDE_STEPS = 20
 
 
 @openusd_errors()
-def inspect_file(path: Path, warn: Callable[[str], None] | None) -> InspectResult:
-    """Describe a file; see `usd_tools.inspect.inspect`."""
+def inspect_file(path: Path, warn: Callable[[str], None] | None, finds_contacts: bool = False) -> InspectResult:
+    """Describe a file; see `usd_tools.inspect.inspect`, and `describe`."""
     messages = Messages(warn)
     with usd_warnings(messages), reading(path):
-        result = describe(open_stage(path), path, messages)
+        result = describe(open_stage(path), path, messages, finds_contacts)
     return replace(result, warnings=tuple(messages.warnings))  # OpenUSD's come last
 
 
@@ -60,7 +60,7 @@ def inspect_open_stage(stage: Usd.Stage, warn: Callable[[str], None] | None) -> 
     return replace(result, warnings=tuple(messages.warnings))
 
 
-def describe(stage: Usd.Stage, path: Path, messages: Messages) -> InspectResult:
+def describe(stage: Usd.Stage, path: Path, messages: Messages, finds_contacts: bool = False) -> InspectResult:
     """Describe what is on a stage.
 
     Parameters
@@ -70,6 +70,9 @@ def describe(stage: Usd.Stage, path: Path, messages: Messages) -> InspectResult:
         File that it was opened from.
     messages : Messages
         Told what to beware of.
+    finds_contacts : bool
+        Whether to find what is planted on the ground, for which compiled code is loaded.
+        Optional, default: False.
 
     Returns
     -------
@@ -82,7 +85,7 @@ def describe(stage: Usd.Stage, path: Path, messages: Messages) -> InspectResult:
         for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies())
         if prim.IsA(UsdSkel.Skeleton)
     )
-    animations = tuple(_describe_animation(source, messages) for source in sources)
+    animations = tuple(_describe_animation(source, messages, finds_contacts) for source in sources)
     return InspectResult(
         file=path.name,
         layers=tuple(_names_of_layers(stage)),
@@ -138,7 +141,7 @@ def _count_joints(skeleton: Usd.Prim, messages: Messages) -> int | None:
         return None
 
 
-def _describe_animation(source: AnimationSource, messages: Messages) -> dict[str, Any]:
+def _describe_animation(source: AnimationSource, messages: Messages, finds_contacts: bool) -> dict[str, Any]:
     described: dict[str, Any] = {
         "prim": source.path,
         "instances": [str(prim.GetPath()) for prim in source.prims[1:]],
@@ -186,6 +189,7 @@ def _describe_animation(source: AnimationSource, messages: Messages) -> dict[str
         "largest_step_joint": None if largest is None else names[largest.joint],
         "wide_steps": [asdict(step) for step in wide],
         "loop": _describe_loop(clip, names),
+        "contacts": _describe_contacts(clip) if finds_contacts else None,
         "faults": faults,
         "sign_flips": 0 if rotations is None else count_sign_flips(rotations),
         "not_unit_quaternions": 0 if rotations is None else count_not_unit(rotations),
@@ -243,6 +247,19 @@ def _describe_loop(clip: SkelClip, names: Mapping[str, str]) -> dict[str, Any] |
     if loop is None or not loop.is_near:
         return None
     return {"closed": loop.closed, "misses_degrees": loop.degrees, "joint": loop.joint, "joint_name": names[loop.joint]}
+
+
+def _describe_contacts(clip: SkelClip) -> dict[str, Any] | None:
+    """Describe what is planted on the ground; None where nothing is."""
+    from usd_tools.characters.planted import find_clip_contacts
+
+    found = find_clip_contacts(clip)
+    joints = sorted({int(joint) for contacts in found for joint in contacts.joints})
+    if not joints:
+        return None
+    seconds = np.array([contacts.times[-1] - contacts.times[0] for contacts in found])
+    share = float(np.average([contacts.share for contacts in found], weights=seconds))
+    return {"joints": [clip.skeleton.joints[joint] for joint in joints], "share": share}
 
 
 def _count_source_samples(source: AnimationSource, messages: Messages) -> int | None:

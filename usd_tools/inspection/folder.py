@@ -24,7 +24,7 @@ def inspect_task(
     source: Path, out: None, options: None, progress: None, warn: Callable[[str], None] | None
 ) -> InspectResult:
     """Describe one file of several; see `batch.run.Verb`."""
-    return inspect_file(source, warn)
+    return inspect_file(source, warn, finds_contacts=True)
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,10 @@ class Row:
         Samples per second, and from the first to the last.
     loop : float or None
         Degrees by which it misses being a loop; None for what is none.
+    contacts : float or None
+        Share of the time in which something is planted on the ground; None where nothing is.
+    planted : int or None
+        Number of joints that are at some time.
     faults : str or None
         Their number by kind, "" for none; None for what is not read.
     metric : str or None
@@ -60,13 +64,18 @@ class Row:
     rate: float | None = None
     seconds: float | None = None
     loop: float | None = None
+    contacts: float | None = None
+    planted: int | None = None
     faults: str | None = None
     metric: str | None = None
     error: str | None = None
 
 
-HEADER = ("file", "rig", "joints", "samples", "rate", "seconds", "loop", "faults", "metric")
-"""Columns of the table, without faults where there are none; the CSV has all fields of `Row`."""
+HEADER = ("file", "rig", "joints", "samples", "rate", "seconds", "loop", "contacts", "faults", "metric")
+"""Columns of the table, the last three without what no file has; the CSV has all fields of `Row`."""
+
+
+_OPTIONAL = ("contacts", "faults", "metric")
 
 
 @dataclass(frozen=True)
@@ -127,7 +136,7 @@ class FolderResult:
     def print_summary(self) -> None:
         """Print the table, and the rigs of which there are several takes."""
         cells = [_cells(row) for row in self.rows()]
-        used = [k for k, name in enumerate(HEADER) if name != "faults" or any(row[k] for row in cells)]
+        used = [k for k, name in enumerate(HEADER) if name not in _OPTIONAL or any(row[k] for row in cells)]
         rows, header = [[row[k] for k in used] for row in cells], [HEADER[k] for k in used]
         show(counted(len(self.files), "file"), rows, header)
         for rig in self.takes():
@@ -148,7 +157,7 @@ def _row(file: str, animation: dict[str, Any], rigs: dict[str, int]) -> Row:
     if animation["error"] is not None:
         return Row(file, skeleton, animation["prim"], error=animation["error"])
     start, end = animation["seconds"] or (0.0, 0.0)
-    metric = animation["metric"]
+    metric, contacts = animation["metric"], animation["contacts"]
     return Row(
         file,
         skeleton,
@@ -159,6 +168,8 @@ def _row(file: str, animation: dict[str, Any], rigs: dict[str, int]) -> Row:
         animation["samples_per_second"],
         end - start,
         None if animation["loop"] is None else animation["loop"]["misses_degrees"],
+        None if contacts is None else contacts["share"],
+        None if contacts is None else len(contacts["joints"]),
         count_kinds(animation["faults"]),
         None if metric is None else metric.get("scheme"),
         None if metric is None else metric["error"],
@@ -177,6 +188,7 @@ def _cells(row: Row) -> list[str]:
         rate,
         f"{row.seconds:.4g}",
         "" if row.loop is None else f"{row.loop:.2g} deg",
+        f"{100.0 * row.contacts:.0f} %" if row.contacts else "",
         row.faults or "",
         row.error or row.metric or "",
     ]

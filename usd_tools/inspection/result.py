@@ -33,9 +33,10 @@ class InspectResult:
         held_gaps, from), samples, codes and seconds (first and last), samples_per_second, evenly_spaced,
         samples_of_source (of a sparse animation), packed_bytes (of a packed one), stepped_pairs, largest_step and
         wide_steps (joint, start, end, degrees), largest_step_joint (its short name), loop (None, or of what is nearly
-        one: closed, misses_degrees, joint, joint_name), faults (kind, channel, joint, joint_name, start and end,
-        samples, degrees or centimetres; as `repair` finds them), sign_flips, not_unit_quaternions, metric (error,
-        summary, scheme, joints, quality, provenance, by_joint).
+        one: closed, misses_degrees, joint, joint_name), contacts (None, or of a folder's files: the joints that are
+        planted on the ground, and the share of the time in which one is), faults (kind, channel, joint, joint_name,
+        start and end, samples, degrees or centimetres; as `repair` finds them), sign_flips, not_unit_quaternions,
+        metric (error, summary, scheme, joints, quality, provenance, by_joint).
     warnings : tuple of str
     """
 

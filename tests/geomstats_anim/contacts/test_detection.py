@@ -9,6 +9,7 @@ from walker import FEET, walk
 from geomstats_anim import rotations as quat
 from geomstats_anim import uniform_keyframes
 from geomstats_anim.contacts import ContactParameters, find_contacts
+from geomstats_anim.contacts.detection import body_size
 from geomstats_anim.markers import joint_matrices
 
 UP = np.array([0.0, 1.0, 0.0])
@@ -115,3 +116,21 @@ def test_shares_and_seconds():
     found = find_contacts(animation, UP)
     assert found.share == pytest.approx(1.0)  # while walking, one foot is on the ground at least
     assert found.seconds == pytest.approx(found.planted.sum() / 60.0)
+
+
+def test_a_foot_that_slides_off_is_planted_only_near_where_it_rests():
+    animation, _ = walk()
+    translations = np.array(animation.translations)
+    translations[:, 0, 2] += 0.16 * animation.times  # slow enough to be at rest, and 10 centimetres in a step
+    animation = replace(animation, translations=translations)
+    found = find_contacts(animation, UP)
+    places = joint_matrices(animation)[..., 3]
+    allowed = 0.015 * ContactParameters.for_size(body_size(places)).drift
+    runs = 0
+    for joint, planted in zip(found.joints, found.planted.T, strict=True):
+        changes = np.flatnonzero(np.diff(np.concatenate([[0], planted, [0]])))
+        for first, last in changes.reshape(-1, 2):
+            runs += 1
+            way = places[first : last + 1, joint]
+            assert np.linalg.norm(way[-1] - way[0]) < 2.0 * allowed + 1e-9
+    assert runs > 4

@@ -7,6 +7,7 @@ import json
 import pytest
 from pxr import Usd
 from rigs import ANIMATION, SKELETON, make_rig
+from walk_files import write_walk
 
 
 @pytest.fixture
@@ -53,3 +54,21 @@ def test_csv_and_json_have_the_same_rows(run, takes):
 def test_options_for_several_files_are_refused_for_one(refuse, takes):
     assert refuse("inspect", takes / "a.usda", "--csv", exit_code=2).startswith("--csv is for several files")
     assert refuse("inspect", takes / "a.usda", "--jobs", 2, exit_code=2).startswith("--jobs is for several files")
+
+
+def test_what_is_planted_has_a_column(run, tmp_path):
+    for name in ("a", "b"):
+        write_walk(tmp_path / f"{name}.usda", step=1)
+    make_rig(tmp_path / "c.usda")
+    out = run("inspect", tmp_path)[1]
+    lines = [[cell.strip() for cell in line.split("│")[1:-1]] for line in out.splitlines() if line.startswith("│")]
+    assert [line[-1] for line in lines] == ["100 %", "100 %", ""]  # and no column of metrics, which no file has
+    rows = list(csv.DictReader(io.StringIO(run("inspect", tmp_path, "--csv")[1])))
+    assert [(row["contacts"], row["planted"]) for row in rows] == [("1.0", "4"), ("1.0", "4"), ("", "")]
+    files = json.loads(run("inspect", tmp_path, "--json")[1])["files"]
+    assert [joint.rsplit("/", 1)[-1] for joint in files[0]["animations"][0]["contacts"]["joints"]] == [
+        "foot_l",
+        "toe_l",
+        "foot_r",
+        "toe_r",
+    ]
