@@ -34,16 +34,17 @@ _UPSAMPLE = (
 _DOWNSAMPLE = (("--rate", ".5", "-o", "out.usda"), ("--tolerance", "1", "-o", "out.usdc"))
 VERBS = {
     verb: importlib.import_module(f"usd_tools.{verb}")
-    for verb in ("inspect", "upsample", "learn", "downsample", "compare", "from_bvh")
+    for verb in ("inspect", "upsample", "learn", "downsample", "compare", "from_bvh", "repair")
 }
 COMMANDS = {
     "inspect": ((), ("--json",)),
     "upsample": _UPSAMPLE,
     "learn": (("--rate", ".4", "-o", "out.usda"),),
     "downsample": _DOWNSAMPLE,
+    "repair": (("-o", "out.usda"), ("-o", "out.usdc", "--max-gap", "3"), ("-o", "out.usdz", "--smooth", "3")),
     "compare": (("--rates", ".5", "--schemes", "slerp", "geodesic-spline", "-o", "out"),),
 }
-SHARES = {"inspect": 4, "upsample": 12, "learn": 2, "downsample": 6, "compare": 1}
+SHARES = {"inspect": 4, "upsample": 12, "learn": 2, "downsample": 6, "repair": 4, "compare": 1}
 FROM_BVH = (("-o", "out.usda"), ("-o", "out.usdc", "--skip-first"), ("-o", "out.usdz", "--fps", "30", "--up", "Z"))
 PACKAGES = (
     ("--factor", "2", "-o", "out.usdz"),

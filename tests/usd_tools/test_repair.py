@@ -174,6 +174,8 @@ def test_what_is_longer_than_max_gap_is_named_and_left(tmp_path, run):
     assert np.isnan(after[10:15, 0]).all() and np.isfinite(after[30:32]).all()
     expected = spline_through(values, ~np.isin(np.arange(N), [*range(10, 15), 30, 31]), 0)
     assert quat.distance(quat.normalize(after[30:32, 0].astype(float)), expected[30:32]).max() < 3e-7
+    run("repair", tmp_path / "in.usda", "-o", tmp_path / "smooth.usda", "--max-gap", 4, "--smooth", 6)
+    assert (np.isnan(repaired(tmp_path / "smooth.usda")) == np.isnan(after)).all()
 
 
 def test_smoothing_takes_noise_away_and_keeps_the_motion(tmp_path, run):
@@ -189,7 +191,7 @@ def test_smoothing_takes_noise_away_and_keeps_the_motion(tmp_path, run):
     assert error.max() < 0.05 * 10 ** (-30.0 / 20.0)
     code, _, err = run("repair", tmp_path / "in.usdc", "-o", tmp_path / "no.usdc", "--smooth", 60)
     assert code == 1 and err.endswith(
-        f"error: {ANIMATION}: rotations has 120 samples per second, so --smooth must be below 60 hertz.\n"
+        f"error: {ANIMATION} has 120 samples per second, so --smooth must be below 60 hertz.\n"
     )
     assert not (tmp_path / "no.usdc").exists()
 

@@ -41,17 +41,16 @@ class Repair:
     left: tuple[ClipFault, ...]
     changed: tuple[str, ...]
 
-    def values(self, name: str) -> np.ndarray:
-        """Return the values of a channel to write: gaps that are left are as the file has them."""
-        values = self.clip.channels[name].values
-        gaps = self.clip.gaps.get(name)
-        left = [each.fault for each in self.left if each.channel == name and each.fault.kind == GAP]
+    def with_gaps(self, channel: Channel) -> Channel:
+        """Return a channel to write: gaps that are left are as the file has them."""
+        gaps = self.clip.gaps.get(channel.name)
+        left = [each.fault for each in self.left if each.channel == channel.name and each.fault.kind == GAP]
         if gaps is None or not left:
-            return values
+            return channel
         still = mask_of(left, *gaps.where.shape)
-        values = values.copy()
+        values = channel.values.copy()
         values[still] = gaps.values[still[gaps.where]]
-        return values
+        return replace(channel, values=values)
 
 
 def repair_clip(clip: SkelClip, max_gap: int | None) -> Repair:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from pxr import Usd
 
-from usd_tools.console.errors import Messages, UsageError
+from usd_tools.console.errors import Messages, ToolError, UsageError
 from usd_tools.console.progress import Progress, ProgressCallback
 from usd_tools.console.text import counted, short_names
 from usd_tools.files.atomic import write_json
@@ -131,20 +132,21 @@ def _repaired_clip(clip: SkelClip, options: RepairOptions, messages: Messages) -
     found = FoundOps((), ()) if options.no_xforms else find_xform_ops(clip.source, fills_gaps=True)
     ops = tuple(repair_op(op, clip, options.max_gap) for op in found.ops)
     xforms = [each.op for each in ops if each.faults]
-    channels = {name: replace(clip.channels[name], values=repair.values(name)) for name in clip.channels}
+    channels = dict(clip.channels)
     smoothed: list[str] = []
     if options.smooth is not None:
         for note in found.notes:
             messages.warn(note)
-        low_pass = LowPass(options.smooth, 0.0, "--smooth")
+        low_pass = _low_pass(clip, options.smooth)
         channels = dict(filtered_clip(clip, low_pass).channels)
-        smoothed = [name for name, channel in channels.items() if channel.is_animated and not channel.is_constant]
+        smoothed = [name for name in channels if not np.array_equal(channels[name].values, clip.channels[name].values)]
         xforms = [filtered_op(each.op, cuts_of(each.op, clip, True), clip.codes_per_second, low_pass) for each in ops]
         names = [name for name in channels if name in names or name in smoothed]
         smoothed += [str(op.attribute.GetPath()) for op in xforms]
     if names and packed_bytes(clip.source.prim) is not None:  # which goes where samples are written
         names = [name for name, channel in channels.items() if len(channel.codes)]
-    repaired = RepairedClip(repair, ops, {name: channels[name] for name in names}, tuple(xforms), tuple(smoothed))
+    written = {name: repair.with_gaps(channels[name]) for name in names}
+    repaired = RepairedClip(repair, ops, written, tuple(xforms), tuple(smoothed))
     if repaired.left:
         longest = max(each.samples for each in repaired.left)
         messages.warn(
@@ -152,6 +154,16 @@ def _repaired_clip(clip: SkelClip, options: RepairOptions, messages: Messages) -
             "--max-gap rebuilds longer ones."
         )
     return repaired
+
+
+def _low_pass(clip: SkelClip, cutoff: float) -> LowPass:
+    """Return the filter for `--smooth`, which leaves alone what is too slow for it."""
+    rates = [clip.samples_per_second(channel.codes) for channel in clip.channels.values() if channel.is_animated]
+    if max(rates, default=np.inf) <= 2.0 * cutoff:
+        raise ToolError(
+            f"{clip.path} has {max(rates):g} samples per second, so --smooth must be below {max(rates) / 2.0:g} hertz."
+        )
+    return LowPass(cutoff, 2.0 * cutoff, "--smooth")
 
 
 def _notes(repaired: RepairedClip) -> list[str]:
