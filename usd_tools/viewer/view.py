@@ -127,9 +127,13 @@ class View:
 
 
 def _summary(centimetres: np.ndarray, degrees: np.ndarray) -> str:
-    return (
-        f"{centimetres.mean():.2f} cm, {degrees.mean():.2f}°; largest {centimetres.max():.1f} cm, {degrees.max():.1f}°"
-    )
+    lengths, angles = ([figure(float(each)) for each in (v.mean(), v.max())] for v in (centimetres, degrees))
+    return f"{lengths[0]} cm, {angles[0]}°; largest {lengths[1]} cm, {angles[1]}°"
+
+
+def figure(value: float) -> str:
+    """Write a number in three digits: errors of small characters are seen, and those of large ones stay short."""
+    return f"{value:.3g}" if value < 1000.0 else f"{value:.0f}"
 
 
 def _box(body: Body, animation: Animation) -> np.ndarray:

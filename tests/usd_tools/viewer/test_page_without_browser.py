@@ -15,6 +15,7 @@ from usd_tools.viewer.controls import ALL_SAMPLES, CHOSEN, EVERY_NTH
 from usd_tools.viewer.page import LivePage
 from usd_tools.viewer.scene import OURS, SLERP
 from usd_tools.viewer.server import serving
+from usd_tools.viewer.view import figure
 
 pytest.importorskip("viser")
 
@@ -181,3 +182,8 @@ def test_a_clip_that_does_not_move_is_refused(tmp_path):
     make_rig(tmp_path / "still.usda", codes=[0])
     with pytest.raises(ToolError):
         EditSession.open(tmp_path / "still.usda")
+
+
+def test_errors_have_three_digits_for_characters_of_any_size():
+    figures = [figure(value) for value in (0.0, 0.0012345, 0.35, 35.402, 246.3, 12345.6)]
+    assert figures == ["0", "0.00123", "0.35", "35.4", "246", "12346"]
