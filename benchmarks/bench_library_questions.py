@@ -1,0 +1,142 @@
+"""Variants of libraries of in-betweens that are not in the program, with what they bring: one line for each question.
+
+    python benchmarks/bench_library_questions.py
+
+Reads the clips of ../shared/data/library/bandai. Known actions: every third clip of five styles, by a library of the
+others (walks, runs, dashes); unseen: every third walk, by a library without walks. Of the network and of
+hips the raw predictions are scored, before any guard: what is left of the weights of sines, or of the path.
+"""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from bench_geodesics import Line, print_table
+from bench_library import ACTIONS, STYLES, best_free, errors, free_errors, learned_errors, pair, ratios, read
+from sklearn.exceptions import ConvergenceWarning
+from sklearn.neural_network import MLPRegressor
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from geomstats_anim import Animation, interpolate, learn_library, optimal_keyframes  # noqa: E402
+from geomstats_anim import rotations as quat  # noqa: E402
+from geomstats_anim.interpolation.learned_scheme import Learned  # noqa: E402
+from geomstats_anim.learning.library.context import contexts_of  # noqa: E402
+from geomstats_anim.learning.library.features import features_of  # noqa: E402
+from geomstats_anim.learning.library.motion_library import MotionLibrary  # noqa: E402
+from geomstats_anim.learning.library.regression import Regression, weights_of  # noqa: E402
+from geomstats_anim.learning.library.samples import Samples, samples_of  # noqa: E402
+
+GAP = 10
+Clips = list[Animation]
+
+
+def splits() -> tuple[tuple[Clips, Clips], tuple[Clips, Clips]]:
+    """Return library and held-out clips, for known actions and for an unseen one."""
+    clips = read("bandai")
+    moving = {name: clip for name, clip in clips.items() if name.split("_")[0] not in ("bow", "guide")}
+    known = [name for name in moving if name.split("_")[1] in STYLES]
+    walks = [name for name in clips if name.split("_")[0] in ACTIONS["walks"]]
+    return (
+        ([moving[name] for name in moving if name not in known], [clips[name] for name in known[::3]]),
+        ([clips[name] for name in clips if name not in walks], [clips[name] for name in walks[::3]]),
+    )
+
+
+def left(true: np.ndarray, predicted: np.ndarray) -> float:
+    """Return what is left of residuals, shape=[n, ...], as a share of them."""
+    return float(np.linalg.norm(true - predicted, axis=-1).mean() / np.linalg.norm(true, axis=-1).mean())
+
+
+def network(library: MotionLibrary, rest: Clips, held: Clips) -> tuple[float, float, float]:
+    """Return what the kernel regression, a network of 2 x 256 and their mean leave of the residuals."""
+    (model,), parts = library.models, library.parts
+    train, test = (samples_of(clips, GAP, parts.trunk, library.vertical) for clips in (rest, held))
+    assert train is not None and test is not None
+
+    def inputs(samples: Samples) -> tuple[np.ndarray, np.ndarray]:
+        scales = samples.contexts.scales(parts)
+        features = np.concatenate(features_of(samples.contexts, parts, model.reductions, scales), axis=1)
+        return features, scales[:, parts.of_joint][:, None, :, None]
+
+    (x, scale), (z, unit) = inputs(train), inputs(test)
+    net = MLPRegressor(hidden_layer_sizes=(256, 256), alpha=1e-3, max_iter=40, early_stopping=True, random_state=0)
+    warnings.simplefilter("ignore", ConvergenceWarning)  # stopped early on purpose
+    net.fit(x, (train.sines / scale).reshape(len(x), -1))
+    by_net = net.predict(z).reshape(test.sines.shape) * unit
+    by_kernel = model.predict(test.contexts, parts)
+    return tuple(left(test.sines, each) for each in (by_kernel, by_net, 0.5 * (by_kernel + by_net)))  # type: ignore
+
+
+def hips(library: MotionLibrary, rest: Clips, held: Clips) -> float:
+    """Return what a regression on the features of the torso leaves of the hips' path, off the cubic spline."""
+    (model,), parts = library.models, library.parts
+
+    def missed(clips: Clips) -> tuple[np.ndarray, list[np.ndarray]]:
+        paths, features = [], []
+        for clip in clips:
+            samples = samples_of([clip], GAP, parts.trunk, library.vertical)
+            if samples is None:
+                continue
+            for phase in range(0, GAP, 2):
+                keys = np.arange(phase, clip.n_frames, GAP)
+                if len(keys) < 3:
+                    continue
+                middle = keys[:-1] + GAP // 2
+                dense = interpolate(clip.at_frames(keys), clip.times[middle])
+                joint = parts.trunk[-1]
+                off = clip.translations[middle, joint] - dense.translations[:, joint]
+                paths.append(quat.rotate(quat.conjugate(dense.rotations[:, joint]), off))
+                at = contexts_of(clip.times[keys], clip.rotations[keys], parts.trunk, library.vertical)
+                features.append(features_of(at, parts, model.reductions, at.scales(parts)))
+        return np.concatenate(paths), [np.concatenate(column) for column in zip(*features, strict=True)]
+
+    (path, features), (goal, others) = missed(rest), missed(held)
+    factor = model.centres.factors[0]
+    weights = weights_of(Regression(model.centres.kernels(features)[0], factor, path).whitened_weights(), factor)
+    return left(goal, model.centres.kernels(others)[0] @ weights)
+
+
+def measure(quick: bool) -> Iterator[Line]:
+    """Measure everything."""
+    known, unseen = splits()
+    for words, (rest, held) in (("known actions", known), ("walks, unseen", unseen)):
+        library = learn_library(rest, gaps=(GAP,))
+        found = network(library, rest, held)
+        yield Line(
+            f"{words}: residual left by kernels / network / their mean", "", " / ".join(f"{x:.3f}" for x in found)
+        )
+        yield Line(
+            f"{words}: path of the hips left by the kernels of the torso", "", f"{hips(library, rest, held):.3f}"
+        )
+    rest, held = known
+    library = learn_library(rest, gaps=(5, 6, 8, 10, 12, 16, 20, 24, 32, 40))
+    _, said = ratios(learned_errors(library, held, 0.05), best_free(free_errors(held, 0.05)))
+    yield Line("known actions, a key every 20 frames, checked at 40: to the best scheme", "", said)
+    of_keys: dict[str, list[np.ndarray]] = {"uniform": [], "chosen for the spline": []}
+    for clip in held[:6]:
+        count = max(6, round(0.1 * clip.n_frames))
+        uniform = np.round(np.linspace(0, clip.n_frames - 1, count)).astype(int)
+        for name, frames in (
+            ("uniform", uniform),
+            ("chosen for the spline", optimal_keyframes(clip, count, scheme="geodesic-spline")),
+        ):
+            keys = clip.at_frames(frames)
+            of_keys[name].append(
+                np.array([errors(Learned(keys, None, each)(clip.times), clip) for each in (None, library)])
+            )
+    base = np.array(of_keys["uniform"])[:, 0]
+    for name, found in of_keys.items():
+        spline, learned = (np.array(found)[:, i] / base for i in (0, 1))
+        yield Line(
+            f"known actions, a tenth of the frames, {name}: spline; learned, to the spline through uniform keys", "",
+            f"{pair(spline.mean(axis=0))}; {pair(learned.mean(axis=0))}",
+        )  # fmt: skip
+
+
+if __name__ == "__main__":
+    sys.exit(print_table(measure, __doc__, None))
