@@ -18,6 +18,9 @@ _EXPECTED = 2.0 ** (0.5 * np.arange(CLASSES)[:, None] - 1.0) / PARTS
 _WORTH = 8.0
 """Integers that these are worth beside those that are counted."""
 
+_WHOLE = 4
+"""Passes from one that visits everything to the next; those between visit what has moved, except in repairs."""
+
 _CLOSE = 0.97
 """Of the tolerance: joints with errors beyond this weigh more from then on."""
 
@@ -84,7 +87,8 @@ def search(pose: Pose, lattice: Lattice, groups: np.ndarray, tolerance: float, e
     """
     if not effort.repairs:
         return _thinned(pose, lattice, groups, tolerance, effort)
-    upwards = False
+    components = chosen = _components(groups)
+    moved = np.zeros(len(chosen), dtype=np.intp)
     for attempt in range(len(effort.passes) + effort.repairs + 1):
         if attempt > effort.free:
             distances = largest_errors(pose)
@@ -93,8 +97,11 @@ def search(pose: Pose, lattice: Lattice, groups: np.ndarray, tolerance: float, e
                 return True
             pose.weights[distances > _CLOSE * tolerance] *= 2.0 if is_repair else effort.growth
         weight = effort.passes[min(attempt, len(effort.passes) - 1)]
-        kernel.sweep(pose, lattice, groups, upwards, tolerance, weight, _costs(lattice))
-        upwards = not upwards
+        if not effort.free < attempt < len(effort.passes) or attempt % _WHOLE == 0:
+            chosen = components
+        else:
+            chosen = chosen[moved > 0]
+        moved = _sweep(pose, lattice, chosen, attempt % 2 == 1, tolerance, weight)
     return bool(largest_errors(pose).max(initial=0.0) <= tolerance)
 
 
@@ -104,7 +111,7 @@ def _thinned(pose: Pose, lattice: Lattice, groups: np.ndarray, tolerance: float,
         return False
     for weight in effort.passes:
         before = lattice.integers.copy()
-        kernel.sweep(pose, lattice, groups, False, tolerance, weight, _costs(lattice))
+        _sweep(pose, lattice, _components(groups), False, tolerance, weight)
         if largest_errors(pose).max(initial=0.0) > tolerance:
             lattice.integers[:] = before
             break
@@ -118,10 +125,23 @@ def search_plain(pose: Pose, lattice: Lattice, groups: np.ndarray, effort: Effor
     weight = 1.0
     for attempt in range(len(effort.passes) + effort.repairs if len(groups) else 0):
         weight = effort.passes[attempt] if attempt < len(effort.passes) else 2.0 * weight
-        kernel.sweep(pose, lattice, groups, False, 1.0, weight, _costs(lattice))
+        _sweep(pose, lattice, _components(groups), False, 1.0, weight)
         if attempt >= len(effort.passes) - 1 and is_kept(pose):
             return True
     return is_kept(pose)
+
+
+def _components(groups: np.ndarray) -> np.ndarray:
+    return (3 * groups[:, None] + np.arange(3)).ravel()
+
+
+def _sweep(
+    pose: Pose, lattice: Lattice, components: np.ndarray, upwards: bool, tolerance: float, weight: float
+) -> np.ndarray:
+    """Visit components once; return how many integers of each moved."""
+    moved = np.zeros(len(components), dtype=np.intp)
+    kernel.sweep(pose, lattice, components, upwards, tolerance, weight, _costs(lattice), moved)
+    return moved
 
 
 def is_kept(pose: Pose) -> bool:

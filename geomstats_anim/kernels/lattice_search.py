@@ -350,23 +350,22 @@ def recount(lattice, counts):
 
 
 @compiled
-def sweep(pose, lattice, groups, is_upwards, tolerance, weight, costs):
-    """Visit every component of groups, of joints in ascending order; return how many integers moved."""
+def sweep(pose, lattice, components, is_upwards, tolerance, weight, costs, moved):
+    """Visit components, 3 group + component, of joints in ascending order; write how many integers of each moved."""
     relative = np.empty((len(pose.parents), 3, 4))
     terms = np.empty((TERMS, len(pose.vectors)))
-    moved, placed = 0, 0
-    for i in range(len(groups)):
-        group = groups[len(groups) - 1 - i] if is_upwards else groups[i]
+    placed = 0
+    for n in range(len(components)):
+        i = len(components) - 1 - n if is_upwards else n
+        group, c = components[i] // 3, components[i] % 3
         if lattice.kinds[group] != PLAIN and not is_upwards:
             # what is above the joint has moved
             for joint in range(placed, lattice.joints[group] + 1):
                 for f in range(len(pose.vectors)):
                     set_matrix(pose, f, joint)
             placed = lattice.joints[group]
-        for c in range(3):
-            moved += visit(pose, lattice, group, c, tolerance, weight, costs, relative, terms)
+        moved[i] = visit(pose, lattice, group, c, tolerance, weight, costs, relative, terms)
     place_all(pose)
-    return moved
 
 
 @compiled

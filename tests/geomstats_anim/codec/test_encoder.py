@@ -84,13 +84,14 @@ def test_a_held_pose_takes_hardly_more_than_the_pose():
     assert len(stream) <= len(pack(held.at_frames([0]), 0.01)) + 2
 
 
-def test_packing_again_gives_the_same_stream():
+@pytest.mark.parametrize("effort", ["full", "fast"])
+def test_packing_again_gives_the_same_stream(effort):
     animation = motions.motion(60)
-    stream = pack(animation, 0.01)
+    stream = pack(animation, 0.01, effort=effort)
     again = unpack(stream, animation.skeleton)
-    assert pack(again, 0.01) == stream
+    assert pack(again, 0.01, effort=effort) == stream
     in_single_precision = replace(again, rotations=np.float32(again.rotations).astype(np.float64))
-    assert pack(in_single_precision, 0.01) == stream
+    assert pack(in_single_precision, 0.01, effort=effort) == stream
 
 
 def test_halving_the_tolerance_never_shrinks_the_stream():
