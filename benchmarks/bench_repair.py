@@ -93,7 +93,7 @@ def mask_of(result: RepairResult, channel: Channel, joints: list[str]) -> list[t
 
 @dataclass
 class Score:
-    """What one clip gives: made and found faults by kind, wrong ones, and errors in radians."""
+    """Results of one clip: made and found faults by kind, wrong ones, and errors in radians."""
 
     made: dict[str, int]
     found: dict[str, int]

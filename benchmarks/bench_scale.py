@@ -27,7 +27,7 @@ COMMANDS = {
     "downsample --scheme slerp": "downsample {clip} -o {out} --rate .3 --select uniform --scheme slerp",
     "downsample": "downsample {clip} -o {out} --rate .3 --select uniform",
 }
-"""What is measured; uniform samples, for the choice of the best is not linear by its nature."""
+"""Commands that are measured; uniform samples, for the choice of the best is not linear by its nature."""
 
 
 def main() -> None:

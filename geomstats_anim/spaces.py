@@ -11,7 +11,7 @@ from geomstats_anim.rotations import Array
 
 
 class Space(Protocol):
-    """What the rules need of values, shape=[..., C].
+    """Operations on values that the rules need, shape=[..., C].
 
     Attributes
     ----------

@@ -22,7 +22,7 @@ __all__ = ["DemoOptions", "DemoResult", "demo", "main", "parser"]
 PROG = "python -m usd_tools.demo"
 
 FOLDER = Path("geomstats_anim_demo")
-"""Where it is written unless another folder is named."""
+"""Folder that is written unless another is named."""
 
 
 def demo(

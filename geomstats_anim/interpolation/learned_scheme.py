@@ -20,7 +20,7 @@ from geomstats_anim.rotations import Array
 
 @dataclass(frozen=True)
 class PartHelp:
-    """What a library does for a part of the body.
+    """Help of a library for a part of the body.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class PartHelp:
 
 @dataclass(frozen=True, eq=False)
 class Help:
-    """What a library predicts for a clip.
+    """Prediction of a library for a clip.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class Help:
 
 
 class Library(Protocol):
-    """What the scheme needs of a library; `learning.library.MotionLibrary` is one."""
+    """Interface of a library that the scheme needs; `learning.library.MotionLibrary` is one."""
 
     def help(self, keys: Animation, curve: CurveParameters) -> Help:
         """Predict residuals of the spline through keys, as far as they help this clip."""

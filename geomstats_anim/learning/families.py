@@ -20,14 +20,14 @@ _GRID = np.linspace(-2.0, 2.0, 5)
 """Of log alpha and log beta."""
 
 _ROUNDS, _TILTED_ROUNDS = 20, 60
-"""When the descent of a single joint stops at the latest."""
+"""Largest number of steps of the descent of a single joint."""
 
 _TRIALS, _STARTS = 64, 1
 """Tilted matrices that every joint tries on each side, and descents from the best."""
 
 
 _GAINS = 1.0 - 1e-4
-"""What a contained optimum leaves of the value at most for a descent from there."""
+"""Largest share of the value that a contained optimum leaves for a descent from there."""
 
 
 class Optimum(NamedTuple):

@@ -27,7 +27,7 @@ _NO_PLANE = 1e-14
 
 
 class TensorMetric(RiemannianMetric):
-    """What Geomstats does not implement for points that are matrices."""
+    """Tensors that Geomstats does not implement for points that are matrices."""
 
     parameters: MetricParameters
     _arrays: PoseMatrices

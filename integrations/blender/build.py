@@ -14,7 +14,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 SOURCE = HERE / "geomstats_anim_blender"
 SHARED = (ROOT / "usd_tools" / "serving" / "messages.py", ROOT / "LICENSE")
-"""What the extension has a copy of."""
+"""Files that the extension has a copy of."""
 
 
 def build(out: Path) -> None:

@@ -12,7 +12,7 @@ from usd_tools.console.options import Options, option
 
 @dataclass(frozen=True, kw_only=True)
 class BatchOptions(Options):
-    """How several files are worked on.
+    """Options for work on several files.
 
     Parameters
     ----------

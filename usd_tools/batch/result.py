@@ -19,7 +19,7 @@ class Result(Protocol):
 
     @property
     def brief(self) -> str:
-        """What was done, in a few words."""
+        """Summary of what was done, in a few words."""
 
     @property
     def warnings(self) -> tuple[str, ...]:

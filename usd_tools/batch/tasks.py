@@ -1,4 +1,4 @@
-"""Which files are read, and where the output of each goes: the tree of a folder is kept."""
+"""Choice of the files that are read and of where the output of each goes: the tree of a folder is kept."""
 
 from __future__ import annotations
 

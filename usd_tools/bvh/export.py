@@ -30,7 +30,7 @@ EVEN = 1e-2
 """Share of a frame by which samples may be off."""
 
 RIGID = 1e-4
-"""How far a placement in the world may be from a turn and one scale."""
+"""Largest distance of a placement in the world from a turn and one scale."""
 
 _Y_FROM_Z = np.array([-np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)])
 """The turn that takes z, where it points up, to y."""

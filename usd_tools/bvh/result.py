@@ -46,7 +46,7 @@ class FromBvhResult:
 
     @property
     def brief(self) -> str:
-        """What was done, in a few words."""
+        """Summary of what was done, in a few words."""
         return f"{counted(self.joints, 'joint')}, {counted(self.frames, 'frame')}"
 
     def as_dict(self) -> dict[str, Any]:
@@ -96,7 +96,7 @@ class ToBvhResult:
 
     @property
     def brief(self) -> str:
-        """What was done, in a few words."""
+        """Summary of what was done, in a few words."""
         return f"{counted(self.joints, 'joint')}, {counted(self.frames, 'frame')}"
 
     def as_dict(self) -> dict[str, Any]:

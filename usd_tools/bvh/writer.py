@@ -26,7 +26,7 @@ SAME_PLACE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class BvhMotion:
-    """What a BVH file holds.
+    """Contents of a BVH file.
 
     Parameters
     ----------

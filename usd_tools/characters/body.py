@@ -43,7 +43,7 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """What is drawn of a character.
+    """Shape that is drawn of a character.
 
     Parameters
     ----------

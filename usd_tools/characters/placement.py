@@ -1,4 +1,4 @@
-"""Where a character stands: its skeleton's place in the world, in metres."""
+"""Placement of a character: its skeleton's place in the world, in metres."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ from usd_tools.learning.clips import TrainingClip
 from usd_tools.skel.sizes import bytes_numpy, bytes_usdc
 
 AS_IT_IS, WITHOUT = "as it is", "without this clip"
-"""How the library is used that a clip is scored by."""
+"""Use of the library that a clip is scored by."""
 
 
 @dataclass(frozen=True, eq=False)

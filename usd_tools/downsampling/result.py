@@ -103,7 +103,7 @@ class DownsampleResult:
 
     @property
     def brief(self) -> str:
-        """What was done, in a few words."""
+        """Summary of what was done, in a few words."""
         kept = sum(animation.kept_samples for animation in self.animations)
         samples = sum(animation.samples for animation in self.animations)
         return f"{kept} of {samples} samples kept"

@@ -39,7 +39,7 @@ class LibraryOrigin:
 
 @dataclass(frozen=True)
 class SessionFile:
-    """What is stored of a session.
+    """Stored form of a session.
 
     Parameters
     ----------

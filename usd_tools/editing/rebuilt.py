@@ -41,7 +41,7 @@ class EditErrors:
 
 
 _ARRAYS = ("rotations", "translations", "matrices", "degrees", "centimetres")
-"""What an edit changes in parts."""
+"""Parts that an edit changes."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -49,7 +49,7 @@ class SaveOptions(OutputOptions):
 
 @dataclass(frozen=True)
 class SaveResult:
-    """What was saved.
+    """Record of what was saved.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What edits change: the metric and the keys. Every edit gives a new state, so that undoing is going back."""
+"""State that edits change: the metric and the keys. Every edit gives a new state, so that undoing is going back."""
 
 from __future__ import annotations
 

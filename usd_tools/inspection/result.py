@@ -55,7 +55,7 @@ class InspectResult:
 
     @property
     def brief(self) -> str:
-        """What is there, in a few words."""
+        """Summary of what is there, in a few words."""
         return counted(len(self.animations), "animation")
 
     def as_dict(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What a library does for a clip, in words and as plain values."""
+"""Help of a library for a clip, in words and as plain values."""
 
 from __future__ import annotations
 

@@ -84,7 +84,7 @@ class JointMeaning:
 
     @property
     def why_not(self) -> str:
-        """Why the metric makes no difference."""
+        """Reason why the metric makes no difference."""
         if not self.turns:
             return "do not turn"
         return "as slerp" if self.is_slerp else "no difference, as they turn about one axis or hardly at all"

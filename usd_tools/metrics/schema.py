@@ -10,7 +10,7 @@ from pxr import Plug, Sdf
 SCHEMA = "GeodesicMetricAPI"
 
 SCHEMA_FOLDER = Path(__file__).parent / "geodesic_metric_api"
-"""What belongs on PXR_PLUGINPATH_NAME, so that other programs know the schema."""
+"""Folder that belongs on PXR_PLUGINPATH_NAME, so that other programs know the schema."""
 
 
 @cache

@@ -1,4 +1,4 @@
-"""How far unpacked motion is from its source."""
+"""Distances of unpacked motion from its source."""
 
 from __future__ import annotations
 

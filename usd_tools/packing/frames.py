@@ -87,7 +87,7 @@ class Frames:
 
     @cached_property
     def placements(self) -> Array | None:
-        """Where the skeleton is at all frames, shape=[F, 3, 4]; asked for before an open stage is changed."""
+        """Placement of the skeleton at all frames, shape=[F, 3, 4]; asked for before an open stage is changed."""
         return self.clip.placements(self.codes)
 
     @property

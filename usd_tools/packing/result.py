@@ -107,7 +107,7 @@ class PackResult:
 
     @property
     def brief(self) -> str:
-        """What was done, in a few words."""
+        """Summary of what was done, in a few words."""
         packed = sum(animation.bytes_packed for animation in self.animations)
         largest = max(animation.errors["centimetres"]["largest"] for animation in self.animations)
         return f"packed into {packed} bytes, largest error {largest:.3g} cm"
@@ -145,7 +145,7 @@ class UnpackResult:
 
     @property
     def brief(self) -> str:
-        """What was done, in a few words."""
+        """Summary of what was done, in a few words."""
         return f"{sum(animation.samples for animation in self.animations)} samples unpacked"
 
     def as_dict(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What `pack` and `unpack` print."""
+"""Summaries that `pack` and `unpack` print."""
 
 from __future__ import annotations
 

@@ -81,7 +81,7 @@ class Transforms:
 
     @cached_property
     def columns(self) -> dict[str, Array]:
-        """What is packed: numbers at all frames, by the names of channels, shape=[F, C]."""
+        """Numbers that are packed, at all frames, by the names of channels, shape=[F, C]."""
         prim, found = self.frames.clip.source.prim, {}
         for op in self.ops:
             numbers = self.frames.filled(self.frames.xforms[_path(op)])[:, 0]

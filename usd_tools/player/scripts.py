@@ -1,4 +1,4 @@
-"""What stands in the script elements of a page."""
+"""Contents of the script elements of a page."""
 
 from __future__ import annotations
 

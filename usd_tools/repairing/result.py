@@ -74,7 +74,7 @@ class RepairResult:
 
     @property
     def brief(self) -> str:
-        """What was done, in a few words."""
+        """Summary of what was done, in a few words."""
         words = count_kinds(self.faults) or "no faults"
         left = sum(not fault["repaired"] for fault in self.faults)
         return words + (f"; {left} left" if left else "")

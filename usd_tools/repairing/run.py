@@ -48,7 +48,7 @@ class RepairedClip:
 
     @property
     def left(self) -> list[ClipFault]:
-        """What was not rebuilt."""
+        """Faults that were not rebuilt."""
         return [*self.repair.left, *(fault for each in self.ops for fault in each.left)]
 
 

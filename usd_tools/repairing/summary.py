@@ -1,4 +1,4 @@
-"""What `repair` prints."""
+"""Summary that `repair` prints."""
 
 from __future__ import annotations
 

@@ -8,13 +8,13 @@ from fractions import Fraction
 from usd_tools.console.arguments import positive_number
 
 USUAL = tuple(map(Decimal, (12, 15, 24, 25, 30, 48, 50, 60, 72, 90, 96, 100, 120, 144, 150, 180, 200, 240)))
-"""What cameras and motion capture record at."""
+"""Rates that cameras and motion capture record at."""
 
 NTSC = tuple(Decimal(1000 * rate) / 1001 for rate in (12, 15, 24, 30, 48, 60, 96, 120, 240))
 """Those of American television: 23.976, 29.97, and so on."""
 
 SINGLE_PRECISION = Decimal("1e-6")
-"""What single precision, and a few digits more, leave of a number."""
+"""Relative difference that single precision, and a few digits more, leave in a number."""
 
 _SIMPLE = 100
 """Largest denominator of a simple fraction; 1001 / 1000, which is 30 over 29.97, is none."""

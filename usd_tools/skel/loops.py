@@ -33,7 +33,7 @@ IN_PLACE = 1.5
 
 @dataclass(frozen=True)
 class Loop:
-    """How a clip is a cycle.
+    """Measures of a clip as a cycle.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ WIDE_DEGREES = 120.0
 """A larger turn in one step is doubtful: beyond 180 degrees a file cannot tell which way round it went."""
 
 UNIT_TOLERANCE = 1e-3
-"""How far from 1 the norm of a quaternion may be before it is counted as not of unit length."""
+"""Distance from 1 of a norm from which on a quaternion counts as not of unit length."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Which way is up, for a skeleton and in the world."""
+"""Up axes of a skeleton and of the world."""
 
 from __future__ import annotations
 

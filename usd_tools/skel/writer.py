@@ -49,7 +49,7 @@ _NOT_COPIED = {
     "layerRelocates",
     "customLayerData",
 }
-"""What a layer says of itself, and not of the stage."""
+"""Fields that a layer says of itself, and not of the stage."""
 
 
 def made_by(tool: str, settings: Mapping[str, Any]) -> dict[str, Any]:

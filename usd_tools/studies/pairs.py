@@ -1,4 +1,4 @@
-"""Which pairs of motions are shown, in which order and on which side."""
+"""Choice of the pairs of motions that are shown, of their order and sides."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from itertools import combinations
 import numpy as np
 
 QUESTIONS = {"nearer": "Which is nearer to the original?", "natural": "Which looks more natural?"}
-"""What is asked of every pair; the original is shown with the first question only."""
+"""Questions that are asked of every pair; the original is shown with the first question only."""
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ ENOUGH = 20
 
 @dataclass(frozen=True)
 class Preference:
-    """How often one is preferred to another, or to all others.
+    """Preference for one over another, or over all others.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What answers say: how often each scheme is preferred, and how strong it is, with what can be known of it."""
+"""Statistics of answers: how often each scheme is preferred, and how strong it is, with what can be known of it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `study --results` prints."""
+"""Summary that `study --results` prints."""
 
 from __future__ import annotations
 

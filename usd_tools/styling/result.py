@@ -67,7 +67,7 @@ class MetricResult:
 
     @property
     def brief(self) -> str:
-        """What was done, in a few words."""
+        """Summary of what was done, in a few words."""
         return f"metric of {counted(len(self.animations), 'animation')}"
 
     def as_dict(self) -> dict[str, Any]:

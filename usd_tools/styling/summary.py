@@ -1,4 +1,4 @@
-"""What `metric` prints: a table of the joints of each metric, and what was written."""
+"""Summary that `metric` prints: a table of the joints of each metric, and what was written."""
 
 from __future__ import annotations
 

@@ -115,7 +115,7 @@ _PARSED: dict[str, Callable[[str], Any]] = {
     "translation-tension": tension_number,
     "axes": _axes,
 }
-"""What a style may set, and how its value is read."""
+"""Fields that a style may set, and how their values are read."""
 
 
 def parse_style(text: str) -> Style:

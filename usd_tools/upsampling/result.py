@@ -142,7 +142,7 @@ class UpsampleResult:
 
     @property
     def brief(self) -> str:
-        """What was done, in a few words."""
+        """Summary of what was done, in a few words."""
         before = sum(animation.samples_before for animation in self.animations)
         after = sum(animation.samples_after for animation in self.animations)
         several = f" of {counted(len(self.animations), 'animation')}" if len(self.animations) > 1 else ""

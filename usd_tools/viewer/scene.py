@@ -1,4 +1,4 @@
-"""What is seen: characters, floor, the path of a joint and onion skins, as nodes of viser."""
+"""Scene of the page: characters, floor, the path of a joint and onion skins, as nodes of viser."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the page shows of a session: characters, marks, errors, charts."""
+"""View of a session on the page: characters, marks, errors, charts."""
 
 from __future__ import annotations
 

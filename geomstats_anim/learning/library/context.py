@@ -28,7 +28,7 @@ _LEAST_SCALE = np.radians(1.0)
 
 @dataclass(frozen=True, eq=False)
 class Contexts:
-    """What surrounds n segments.
+    """Surroundings of n segments.
 
     Parameters
     ----------

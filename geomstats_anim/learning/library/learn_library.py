@@ -93,7 +93,7 @@ def learn_library(
 
 @dataclass(frozen=True, eq=False)
 class _GapTask:
-    """What the models of all lengths are fitted to."""
+    """Data that the models of all lengths are fitted to."""
 
     clips: Sequence[Animation]
     parts: BodyParts

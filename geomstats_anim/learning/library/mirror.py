@@ -24,12 +24,12 @@ _SIDES = (("left", "right"), ("Left", "Right"), ("LEFT", "RIGHT"), ("l", "r"), (
 """Words anywhere in a name; letters that stand apart or come first."""
 
 _TOLERANCE = 0.05
-"""How much both sides of a rest pose may differ, as a share of its size."""
+"""Largest difference of both sides of a rest pose, as a share of its size."""
 
 
 @dataclass(frozen=True, eq=False)
 class Mirror:
-    """How a rig is mirrored.
+    """Mirroring of a rig.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How much of a prediction helps: every second key of the clip is hidden, and predicted from the others."""
+"""Check of how much of a prediction helps: every second key of the clip is hidden, and predicted from the others."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _CAUTION = 1.2
 """A full share has to save this part of the error, divided by the squared number of hidden keys."""
 
 _CONFIDENCE = 0.3
-"""What is saved counts less this many standard errors."""
+"""Number of standard errors that are subtracted from what is saved."""
 
 _LEAST = 1e-9
 """Errors, radians or metres, that are none."""

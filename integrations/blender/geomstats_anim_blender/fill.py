@@ -10,16 +10,16 @@ from . import service, style, working_copy
 from . import tracks as tr
 
 _STAYS = 1e-6
-"""How far a number without a curve may be from its value before it gets one."""
+"""Largest distance of a number without a curve from its value before it gets one."""
 
 
 class FillError(Exception):
-    """What is wrong, in one sentence."""
+    """Error that one sentence says."""
 
 
 @dataclass
 class Filled:
-    """What was done.
+    """Record of what was done.
 
     Parameters
     ----------

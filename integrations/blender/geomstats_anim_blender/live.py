@@ -13,10 +13,10 @@ DELAY = 0.15
 """Seconds without a change before it is filled again."""
 
 _seen = {}
-"""What each armature was filled from, by name."""
+"""Inputs that each armature was filled from, by name."""
 
 last_error = {}
-"""What went wrong last, by the armature's name."""
+"""Sentence on what went wrong last, by the armature's name."""
 
 
 def touch(armature):

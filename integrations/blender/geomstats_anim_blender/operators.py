@@ -16,7 +16,7 @@ def armature_of(context):
 
 
 class _OnArmature:
-    """What operators on the active armature share: it must be there, and what is wrong is reported."""
+    """Base of operators on the active armature: it must be there, and what is wrong is reported."""
 
     bl_options = {"REGISTER", "UNDO"}
 

@@ -7,7 +7,7 @@ from .operators import armature_of
 
 
 class _Panel:
-    """What the panels share."""
+    """Base of the panels."""
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"

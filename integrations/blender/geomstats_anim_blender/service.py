@@ -16,7 +16,7 @@ PATIENCE = 300.0
 
 
 class ServiceError(Exception):
-    """What is wrong, in one sentence."""
+    """Error that one sentence says."""
 
 
 class _Process:

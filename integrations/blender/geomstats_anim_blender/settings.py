@@ -31,7 +31,7 @@ def _set_scheme(self, number):
 
 
 class Settings(bpy.types.PropertyGroup):
-    """What is chosen for an armature, and which working copy it has."""
+    """Settings of an armature, and which working copy it has."""
 
     scheme: bpy.props.EnumProperty(
         name="Scheme",

@@ -41,11 +41,11 @@ _WORDS = {
     "axes": "axes",
     "side": "invariance",
 }
-"""What the JSON calls them."""
+"""Names that the JSON has for them."""
 
 
 class StyleError(Exception):
-    """What is wrong, in one sentence."""
+    """Error that one sentence says."""
 
 
 def property_of(name):
@@ -69,7 +69,7 @@ DEFAULTS = {
     "side": "left",
     "axes": (0.0, 0.0, 0.0),
 }
-"""What a bone has that nobody has styled; schemes that are not bent do not ask for tensions."""
+"""Style of a bone that nobody has styled; schemes that are not bent do not ask for tensions."""
 
 
 def value(bone, name):
@@ -295,7 +295,7 @@ def _places(document, armature):
 
 
 _found = {}
-"""Where the bones of the last armature are in the last metric."""
+"""Places of the bones of the last armature in the last metric."""
 
 
 def _identifier(name):

@@ -1,4 +1,4 @@
-"""What is interpolated: the channels of bones, and of the armature itself, that have keys and may be changed."""
+"""Channels that are interpolated: those of bones, and of the armature itself, that have keys and may be changed."""
 
 from dataclasses import dataclass, field
 

@@ -1,4 +1,4 @@
-"""What the menu does, without windows: upsample into the session, tables of metrics, remove."""
+"""Commands of the menu, without windows: upsample into the session, tables of metrics, remove."""
 
 from __future__ import annotations
 

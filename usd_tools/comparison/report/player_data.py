@@ -1,4 +1,4 @@
-"""What the player on the page shows: the character of every clip, and its motion by every scheme and rate."""
+"""Data that the player on the page shows: the character of every clip, and its motion by every scheme and rate."""
 
 from __future__ import annotations
 
