@@ -33,21 +33,21 @@ def _floats(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Array
 
 def _unit_quaternions(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Array:
     array = _floats(name, value, (*shape, 4))
-    norm = np.linalg.norm(array, axis=-1)
-    bad = np.argwhere(np.abs(norm - 1.0) > _UNIT_TOLERANCE)
-    if len(bad):
-        where = tuple(int(i) for i in bad[0])
+    norm = quat.norm(array)
+    excess = np.abs(norm - 1.0)
+    if excess.max(initial=0.0) > _UNIT_TOLERANCE:
+        where = tuple(int(i) for i in np.argwhere(excess > _UNIT_TOLERANCE)[0])
         raise ValueError(f"{name} has a quaternion of norm {norm[where]:.6g} at index {where}; normalise it first.")
     # what is unit to rounding stays as it is, so that nothing changes when it passes through twice
-    return np.where(np.abs(norm - 1.0)[..., None] > _ROUNDING, array / norm[..., None], array)
+    return np.divide(array, norm[..., None], out=array, where=excess[..., None] > _ROUNDING)
 
 
 def increasing_times(value: ArrayLike) -> Array:
     """Copy times, shape=[F], to float64 and check that they are finite and strictly increasing."""
     times = _floats("times", value, (None,))
-    falls = np.flatnonzero(np.diff(times) <= 0.0)
-    if len(falls):
-        at = int(falls[0])
+    falls = times[1:] <= times[:-1]
+    if falls.any():
+        at = int(falls.argmax())
         raise ValueError(f"times must increase, but time {at} is {times[at]} and time {at + 1} is {times[at + 1]}.")
     return times
 

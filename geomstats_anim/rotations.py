@@ -43,6 +43,12 @@ def normalize(quaternion: Array) -> Array:
     return quaternion / np.linalg.norm(quaternion, axis=-1, keepdims=True)
 
 
+def norm(quaternion: Array) -> Array:
+    """Return the lengths, shape=[...], of quaternions, shape=[..., 4], faster than `numpy.linalg.norm`."""
+    squares = quaternion * quaternion
+    return np.sqrt(squares[..., 0] + squares[..., 1] + squares[..., 2] + squares[..., 3])
+
+
 def cross(left: Array, right: Array) -> Array:
     """Multiply vectors, shape=[..., 3], many times faster than `numpy.cross` for short arrays."""
     return _each("cross", 3, left, right)
@@ -112,6 +118,8 @@ def make_continuous(quaternion: Array, axis: int = 0) -> Array:
     """
     moved = np.moveaxis(quaternion, axis, 0)
     flips = np.einsum("t...i,t...i->t...", moved[1:], moved[:-1]) < 0.0
+    if not flips.any():
+        return quaternion.copy()
     signs = np.where(np.cumsum(flips, axis=0) % 2 == 1, -1.0, 1.0)
     continuous = np.concatenate([moved[:1], moved[1:] * signs[..., None]])
     return np.moveaxis(continuous, 0, axis)

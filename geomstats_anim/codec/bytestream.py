@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import struct
 
+_TOO_SHORT = "The stream ends too early; it is damaged or cut off."
+
 
 class StreamError(ValueError):
     """A stream that cannot be read: damaged, of a newer version, or of another skeleton."""
@@ -60,7 +62,10 @@ class Reader:
         """Read a number from 0 to the largest that is allowed."""
         value, shift = 0, 0
         while True:
-            byte = self.raw(1)[0]
+            if self._at >= len(self._data):
+                raise StreamError(_TOO_SHORT)
+            byte = self._data[self._at]
+            self._at += 1
             value |= (byte & 0x7F) << shift
             shift += 7
             if value > largest or shift > 70:
@@ -80,7 +85,7 @@ class Reader:
     def raw(self, count: int) -> bytes:
         """Read a number of bytes."""
         if count > len(self._data) - self._at:
-            raise StreamError("The stream ends too early; it is damaged or cut off.")
+            raise StreamError(_TOO_SHORT)
         self._at += count
         return self._data[self._at - count : self._at]
 

@@ -56,7 +56,7 @@ def choose_turns(rest: Array, rotations: Array) -> np.ndarray:
 
 def references(rest: Array, turns: np.ndarray) -> Array:
     """Return the reference rotations, shape=[B, 4], that `choose_turns` chose."""
-    return quat.multiply(rest, cube_rotations()[turns])
+    return quat.multiply(rest, cube_rotations()[turns]) if turns.any() else rest
 
 
 def to_vectors(reference: Array, rotations: Array) -> Array:
@@ -72,7 +72,9 @@ def to_vectors(reference: Array, rotations: Array) -> Array:
 
 def to_rotations(reference: Array, vectors: Array) -> Array:
     """Invert `to_vectors`: unit quaternions, shape=[F, B, 4]."""
-    return quat.multiply(reference, quat.exp(vectors))
+    placed = np.empty((*vectors.shape[:-1], 4))
+    placed[:] = reference  # faster than to have it broadcast
+    return quat.multiply(placed, quat.exp(vectors))
 
 
 def charted_pieces(rest: Array, rotations: Array, bounds: np.ndarray) -> np.ndarray:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
+from itertools import accumulate
+
 import numpy as np
 
 from geomstats_anim.animation import Animation, Skeleton
@@ -44,11 +47,12 @@ def unpack(stream: bytes, skeleton: Skeleton, frames: slice | None = None) -> An
         ]
     )
     joined = np.concatenate(values)
-    translations = np.broadcast_to(skeleton.rest_translations, (*rotations.shape[:2], 3))
     at = n_joints
     if header.has_translations:
-        translations = translations + joined[:, at : at + n_joints]
+        translations = skeleton.rest_translations + joined[:, at : at + n_joints]
         at += n_joints
+    else:
+        translations = np.broadcast_to(skeleton.rest_translations, (*rotations.shape[:2], 3))
     scales = 1.0 + joined[:, at : at + n_joints] if header.has_scales else None
     whole = Animation(skeleton, header.times[taken], rotations, translations, scales)
     return whole if frames is None else whole.at_frames(_within(frames, taken, len(header.times)))
@@ -72,15 +76,15 @@ def _decode(
     """Return the header, values and references of the segments that hold some frames, and all frames of these."""
     header, segments = read_stream(stream, skeleton)
     layout = header.layout(skeleton)
-    bounds = np.cumsum([0] + [segment.n_frames for segment in segments])
+    bounds = [*accumulate((segment.n_frames for segment in segments), initial=0)]
     first, last = 0, len(segments)
     if frames is not None:
         start, stop, _ = frames.indices(len(header.times))
-        first = int(np.searchsorted(bounds, start, side="right")) - 1
-        last = max(int(np.searchsorted(bounds, stop, side="left")), first + 1)
+        first = bisect_right(bounds, start) - 1
+        last = max(bisect_left(bounds, stop), first + 1)
     chosen = segments[first:last]
     values = [decode_segment(segment, layout) for segment in chosen]
-    return header, values, [segment.turns for segment in chosen], slice(int(bounds[first]), int(bounds[last]))
+    return header, values, [segment.turns for segment in chosen], slice(bounds[first], bounds[last])
 
 
 def decode_segment(segment: Segment, layout: Layout) -> Array:

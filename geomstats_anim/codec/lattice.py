@@ -50,8 +50,8 @@ class Layout(NamedTuple):
         As in `Lattice`; scales and other channels have places among the plain numbers instead of joints.
     levers : array-like, shape=[G]
         What a step is divided by: metres that a radian, or a scale, moves what hangs below a joint; 1 otherwise.
-    n_scales : int
-        Groups of scales.
+    n_scales, n_plain : int
+        Groups of scales, and of plain numbers, scales included.
     """
 
     kinds: np.ndarray
@@ -59,13 +59,10 @@ class Layout(NamedTuple):
     parents: np.ndarray
     levers: Array
     n_scales: int
-
-    @property
-    def n_plain(self) -> int:
-        """Return the number of groups of plain numbers, scales included."""
-        return int((self.kinds == PLAIN).sum())
+    n_plain: int
 
     @classmethod
+    @lru_cache(maxsize=8)
     def of(cls, skeleton: Skeleton, has_translations: bool, has_scales: bool, n_others: int) -> Layout:
         """Lay out the groups of a skeleton, and of a number of other groups."""
         n_joints = skeleton.n_joints
@@ -78,6 +75,7 @@ class Layout(NamedTuple):
             parents=np.concatenate([skeleton.parents, np.full(n_moved + n_scales + n_others, -1)]).astype(np.intp),
             levers=np.concatenate([lever_lengths, np.ones(n_moved), lever_lengths[:n_scales], np.ones(n_others)]),
             n_scales=n_scales,
+            n_plain=n_scales + n_others,
         )
 
 
@@ -137,12 +135,11 @@ def new_lattice(layout: Layout, steps: Steps, n_frames: int, with_basis: bool) -
         Whether it is searched, for which basis functions are needed.
     """
     wavelets = wavelets_of(n_frames)
-    motion = step_of(steps.motion) / layout.levers
-    plain = layout.kinds == PLAIN
-    units = np.where(plain, 0.0, motion)
-    first = int((~plain).sum())
-    units[first : first + layout.n_scales] = step_of(steps.scales) / layout.levers[first : first + layout.n_scales]
-    units[first + layout.n_scales :] = step_of(np.array(steps.channels, dtype=np.float64))
+    units = step_of(steps.motion) / layout.levers
+    if layout.n_plain:
+        scales = slice(len(units) - layout.n_plain, len(units) - layout.n_plain + layout.n_scales)
+        units[scales] = step_of(steps.scales) / layout.levers[scales]
+        units[scales.stop :] = step_of(np.array(steps.channels, dtype=np.float64))
     gains = band_gains(len(wavelets.bands) - 1)
     basis = wavelets.basis if with_basis else None
     return Lattice(
@@ -158,6 +155,7 @@ def new_lattice(layout: Layout, steps: Steps, n_frames: int, with_basis: bool) -
     )
 
 
+@lru_cache
 def band_gains(n_bands: int) -> Array:
     """Return what steps of each band are multiplied by, from coarse to fine."""
     gains: Array = np.power(_COARSER, n_bands - 1.0 - np.arange(n_bands, dtype=np.float64))
@@ -173,7 +171,7 @@ def units_of(lattice: Lattice) -> Array:
 def to_values(lattice: Lattice) -> Array:
     """Return the samples of every channel, shape=[F, G, 3]."""
     integers = lattice.integers
-    used = np.flatnonzero(integers.any(axis=(0, 2)))
+    used = np.flatnonzero(np.bitwise_or.reduce(integers, axis=0).any(axis=-1))
     samples = np.empty((len(integers), 3 * len(used)))
     kernel.scaled(integers, lattice.bands, lattice.units, used, samples)
     kernel.synthesise(samples, wavelets_of(len(integers)).sizes)

@@ -60,7 +60,7 @@ def read_times(reader: Reader, n_frames: int) -> Array:
             raise StreamError("The stream is damaged: it has too few times.")
         times = raw.reshape(8, n_frames).T.copy().view("<f8")[:, 0].astype(np.float64)
     else:
-        rate = Fraction(reader.number(_LARGEST_TICK), max(reader.number(_LARGEST_TICK), 1))
+        rate = reader.number(_LARGEST_TICK) / max(reader.number(_LARGEST_TICK), 1)
         first = reader.signed(_LARGEST_TICK)
         if form == _EVEN:
             gap = reader.number(_LARGEST_TICK)
@@ -69,10 +69,10 @@ def read_times(reader: Reader, n_frames: int) -> Array:
             runs = Reader(_inflated(reader.block(), 8 * n_frames))
             gaps = [runs.number(_LARGEST_TICK) for _ in range(n_frames - 1)]
             ticks = np.cumsum([first, *gaps], dtype=np.float64)
-        if rate <= 0:
+        if not rate:
             raise StreamError("The stream is damaged: its rate is not positive.")
         times = _seconds(ticks, rate)
-    if not np.isfinite(times).all() or (np.diff(times) <= 0.0).any():
+    if not np.isfinite(times).all() or (times[1:] <= times[:-1]).any():
         raise StreamError("The stream is damaged: its times do not increase.")
     return times
 
@@ -85,8 +85,8 @@ def _inflated(packed: bytes, limit: int) -> bytes:
         raise StreamError("The stream is damaged: its times cannot be read.") from error
 
 
-def _seconds(ticks: Array, rate: Fraction) -> Array:
-    return ticks / float(rate)
+def _seconds(ticks: Array, rate: float) -> Array:
+    return ticks / rate
 
 
 def _ticks(times: Array) -> tuple[Fraction, np.ndarray] | None:
@@ -105,6 +105,6 @@ def _ticks(times: Array) -> tuple[Fraction, np.ndarray] | None:
             if finer <= 0 or finer.numerator > _LARGEST_TICK or finer.denominator > _LARGEST_TICK:
                 continue
             ticks = np.rint(times * float(finer))
-            if np.abs(ticks).max(initial=0.0) < _LARGEST_TICK and np.array_equal(_seconds(ticks, finer), times):
+            if np.abs(ticks).max(initial=0.0) < _LARGEST_TICK and np.array_equal(_seconds(ticks, float(finer)), times):
                 return finer, ticks.astype(np.int64)
     return None
