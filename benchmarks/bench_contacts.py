@@ -34,7 +34,7 @@ from usd_tools.skel.vertical import up_in_world
 from usd_tools.upsampling.contacts import REACH
 
 RATE = 0.1
-TIMES = 5
+TIMES = 25
 """Times that each computation is done; the shortest counts."""
 
 
@@ -77,8 +77,9 @@ def kept(original: Animation, keys: Animation, plants: Plants, reach: float) -> 
     times = np.union1d(original.times, plants.probes())
     dense = SCHEMES["geodesic-spline"](keys)(times)
     dense = replace(dense, world=worlds(original, times))
-    planted = plant(dense, keys, plants, MetricParameters.identity(dense.n_joints), reach)
-    return planted.animation.at_frames(np.searchsorted(times, original.times)), planted.plants
+    metric = MetricParameters.identity(dense.n_joints)
+    planted = plant(dense, keys, plants, metric, reach, wanted=np.isin(times, original.times))
+    return planted.animation, planted.plants
 
 
 def worlds(original: Animation, times: np.ndarray) -> np.ndarray | None:

@@ -36,6 +36,35 @@ def joint_matrices(animation: Animation) -> Array:
     return matrices
 
 
+def joint_places(animation: Animation, joints: np.ndarray) -> Array:
+    """Place where some joints start in the world, shape=[F, J, 3], metres, and no others but those above them.
+
+    Parameters
+    ----------
+    animation : Animation
+    joints : array-like of int, shape=[J]
+    """
+    parents, is_needed = animation.skeleton.parents, np.zeros(animation.n_joints + 1, dtype=bool)
+    above = np.asarray(joints)
+    while (above >= 0).any():
+        is_needed[above] = True
+        above = np.where(above >= 0, parents[above], -1)
+    needed = np.flatnonzero(is_needed[:-1])  # parents come before their children
+    parents = np.where(parents[needed] >= 0, np.searchsorted(needed, parents[needed]), -1)
+    moves = [animation.rotations, animation.translations]
+    moves.append(np.ones((animation.n_frames, animation.n_joints, 3)) if animation.scales is None else animation.scales)
+    matrices = np.empty((animation.n_frames, len(needed), 3, 4))
+    kernel.place_joints(
+        np.arange(len(needed)), parents, _world(animation), *(np.take(each, needed, axis=1) for each in moves), matrices
+    )
+    return matrices[..., 3][:, np.searchsorted(needed, joints)]
+
+
+def _world(animation: Animation) -> Array:
+    shape = animation.n_frames, 3, 4
+    return np.array(np.broadcast_to(np.eye(3, 4), shape) if animation.world is None else animation.world)
+
+
 def place_some(
     animation: Animation, rotations: Array, translations: Array, joints: np.ndarray, matrices: Array
 ) -> None:
@@ -54,11 +83,10 @@ def place_some(
     """
     shape = rotations.shape[:2]
     scales = np.ones((*shape, 3)) if animation.scales is None else animation.scales
-    world = np.broadcast_to(np.eye(3, 4), (shape[0], 3, 4)) if animation.world is None else animation.world
     kernel.place_joints(
         joints,
         np.array(animation.skeleton.parents),
-        np.array(world),
+        _world(animation),
         rotations,
         translations,
         np.array(scales),

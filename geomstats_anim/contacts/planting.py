@@ -8,14 +8,14 @@ if the curve has a continuous velocity, the motion still has.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from geomstats_anim.animation import Animation
 from geomstats_anim.contacts.detection import Contacts
 from geomstats_anim.contacts.reaching import Body, smooth
-from geomstats_anim.markers import joint_matrices
+from geomstats_anim.markers import joint_matrices, joint_places
 from geomstats_anim.parameters import MetricParameters
 from geomstats_anim.rotations import Array
 
@@ -162,6 +162,7 @@ def plant(
     parameters: MetricParameters,
     reach: float = np.inf,
     moves_root: bool = True,
+    wanted: np.ndarray | None = None,
 ) -> Planted:
     """Keep points in place.
 
@@ -181,6 +182,9 @@ def plant(
     moves_root : bool
         Whether the joint that moves with the whole body may be moved, where turns do not suffice.
         Optional, default: True.
+    wanted : array-like of bool, shape=[F]
+        Which frames are corrected and returned, so that no work goes into those that only say how fast points are.
+        Optional, default: all.
 
     Returns
     -------
@@ -188,22 +192,26 @@ def plant(
         Frames without correction are the same, bit for bit.
     """
     left = np.zeros(plants.number, dtype=bool)
-    places = joint_matrices(dense)[..., 3]
+    points, column = np.unique(plants.joints, return_inverse=True)
+    places = joint_places(dense, points)
     while not left.all():
-        pulls = _Pulls.of(dense.times, places, keys.times, plants.chosen(~left))
+        pulls = _Pulls.of(dense.times, places, keys.times, plants.chosen(~left), column[~left])
         far = pulls.furthest > reach
         if not far.any():
             break
         left[np.flatnonzero(~left)[far]] = True
+    chosen = np.arange(dense.n_frames) if wanted is None else np.flatnonzero(wanted)
     if left.all():
-        return Planted(dense, plants.chosen(~left), plants)
-    body = Body.of(dense, keys, pulls.points, parameters, moves_root)
-    frames = np.flatnonzero(pulls.ways.any(axis=(1, 2)))
-    goals = places[frames[:, None], pulls.points] + pulls.ways[frames]
-    rotations, translations = np.array(dense.rotations), np.array(dense.translations)
-    some = np.ix_(frames, body.joints)
-    rotations[some], translations[some] = body.reached(frames, goals, pulls.weights[frames])
-    animation = replace(dense, rotations=rotations, translations=translations)
+        return Planted(dense if wanted is None else dense.at_frames(chosen), plants.chosen(~left), plants)
+    kept = np.unique(column[~left])
+    body = Body.of(dense, keys, points[kept], parameters, moves_root)
+    moved = np.flatnonzero(pulls.ways[chosen].any(axis=(1, 2)))
+    some = np.ix_(chosen[moved], kept)
+    rotations, translations = dense.rotations[chosen], dense.translations[chosen]
+    goals = places[some] + pulls.ways[some]
+    rotations[moved], translations[moved] = body.reached(chosen[moved], goals, pulls.weights[some])
+    scales, world = (None if each is None else each[chosen] for each in (dense.scales, dense.world))
+    animation = Animation(dense.skeleton, dense.times[chosen], rotations, translations, scales, world)
     return Planted(animation, plants.chosen(~left), plants.chosen(left))
 
 
@@ -213,8 +221,6 @@ class _Pulls:
 
     Parameters
     ----------
-    points : array-like of int, shape=[P]
-        Joints.
     ways : array-like, shape=[F, P, 3]
         Metres.
     weights : array-like, shape=[F, P]
@@ -223,15 +229,13 @@ class _Pulls:
         The longest way for each plant.
     """
 
-    points: np.ndarray
     ways: Array
     weights: Array
     furthest: Array
 
     @classmethod
-    def of(cls, times: Array, places: Array, key_times: Array, plants: Plants) -> _Pulls:
-        """Find them from where a curve leads all joints, shape=[F, B, 3]."""
-        points, column = np.unique(plants.joints, return_inverse=True)
+    def of(cls, times: Array, places: Array, key_times: Array, plants: Plants, column: np.ndarray) -> _Pulls:
+        """Find them from where a curve leads points, shape=[F, P, 3], and which of these each plant is of."""
         before, after = _eases(key_times, plants)
         first = np.searchsorted(times, plants.starts - before)
         counts = np.searchsorted(times, plants.ends + after, side="right") - first
@@ -240,10 +244,10 @@ class _Pulls:
         now, starts, ends = times[frame], plants.starts[plant], plants.ends[plant]
         travelled = smooth(np.clip((now - starts) / (ends - starts), 0.0, 1.0))[:, None]
         goals = plants.start_places[plant] + travelled * (plants.end_places - plants.start_places)[plant]
-        ways, weights = goals - places[frame, plants.joints[plant]], np.ones(len(plant))
+        ways, weights = goals - places[frame, column[plant]], np.ones(len(plant))
         for is_end, eased, lengths in ((False, now < starts, before), (True, now > ends, after)):
             own = plant[eased]
-            here, velocity = plants.at_rest(times, places, plants.joints, is_end)
+            here, velocity = plants.at_rest(times, places, column, is_end)
             missing = (plants.end_places if is_end else plants.start_places) - here
             gone = now[eased] - ends[eased] if is_end else starts[eased] - now[eased]
             share = np.clip(1.0 - gone / lengths[own], 0.0, 1.0)
@@ -253,12 +257,12 @@ class _Pulls:
         furthest = np.zeros(plants.number)
         np.maximum.at(furthest, plant, np.linalg.norm(ways, axis=-1))
         order = np.argsort(weights, kind="stable")  # where two meet, the one that holds wins
-        shape = len(times), len(points)
+        shape = places.shape[:2]
         all_ways, all_weights = np.zeros((*shape, 3)), np.zeros(shape)
         all_ways[frame[order], column[plant[order]]] = ways[order]
         all_weights[frame[order], column[plant[order]]] = weights[order]
         all_ways[np.isin(times, key_times)] = 0.0
-        return cls(points, all_ways, all_weights, furthest)
+        return cls(all_ways, all_weights, furthest)
 
 
 def _eases(key_times: Array, plants: Plants) -> tuple[Array, Array]:

@@ -11,7 +11,7 @@ the body comes last, where the joints below do not suffice. It is found by the G
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,7 +20,8 @@ from geomstats_anim.animation import Animation, Skeleton
 from geomstats_anim.contacts.detection import BODY, body_size
 from geomstats_anim.interpolation.curves import locate
 from geomstats_anim.interpolation.tangents import STILL
-from geomstats_anim.markers import joint_matrices, place_some
+from geomstats_anim.kernels import reaching as kernel
+from geomstats_anim.markers import joint_matrices
 from geomstats_anim.parameters import MetricParameters
 from geomstats_anim.rotations import Array
 
@@ -41,11 +42,8 @@ _NEARLY_NONE = 1e-9
 
 _ITERATIONS = 8
 
-_ENOUGH = 1e-2
-"""Radians: the last step; the next would be its square."""
-
-_CHUNK = 512
-"""Frames that are solved for together."""
+_ENOUGH = 1e-3
+"""Radians: the last step of a frame; the next would be its square."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,11 +53,15 @@ class Body:
     Parameters
     ----------
     dense : Animation
-        Of these joints only.
-    keys : Animation
-        Likewise.
+        Of the whole skeleton.
+    key_times : array-like, shape=[K]
+        Seconds.
+    moves : array-like of bool, shape=[K - 1, J + 1]
+        Which of them turn from each key to the next, and whether the root may move there.
     joints : array-like of int, shape=[J]
         Which joints of the whole skeleton these are.
+    parents : array-like of int, shape=[J]
+        Which of them is above each, or -1.
     points : array-like of int, shape=[P]
         Which of them are points.
     is_above : array-like of bool, shape=[P, J]
@@ -70,20 +72,20 @@ class Body:
         Turns that cost one: L in the inverse L L^T of each metric.
     is_right : array-like of bool, shape=[J]
         Whose metric is right-invariant.
-    moves_root : bool
     size : float
         Metres.
     """
 
     dense: Animation
-    keys: Animation
+    key_times: Array
+    moves: np.ndarray
     joints: np.ndarray
+    parents: np.ndarray
     points: np.ndarray
     is_above: np.ndarray
     root: int
     units: Array
     is_right: np.ndarray
-    moves_root: bool
     size: float
 
     @classmethod
@@ -93,19 +95,23 @@ class Body:
         """Take what matters for some points, by their joints, shape=[P]; see `plant`."""
         is_above = _ancestors(dense.skeleton, points)
         joints = np.union1d(np.flatnonzero(is_above.any(axis=0)), points)
-        travels = (np.ptp(keys.translations[:, joints], axis=0) > 0.0).any(axis=-1)
+        parents = dense.skeleton.parents[joints]
+        root = int((np.ptp(keys.translations[:, joints], axis=0) > 0.0).any(axis=-1).argmax())
         carried = _ancestors(dense.skeleton, np.arange(dense.n_joints)).mean(axis=0)[joints]
         lighter = np.maximum(1.0 - carried - 1.0 / dense.n_joints, _LEAST)
+        turns = quat.distance(keys.rotations[1:, joints], keys.rotations[:-1, joints]) >= STILL
+        path = (keys.translations[1:, joints[root]] != keys.translations[:-1, joints[root]]).any(axis=-1)
         return cls(
-            _part(dense, joints),
-            _part(keys, joints),
+            dense,
+            keys.times,
+            np.concatenate([turns, path[:, None] & moves_root], axis=1),
             joints,
+            np.where(parents >= 0, np.searchsorted(joints, parents), -1),
             np.searchsorted(joints, points),
             is_above[:, joints],
-            int(travels.argmax()),
+            root,
             np.linalg.cholesky(np.linalg.inv(parameters.at(joints).matrices) * lighter[:, None, None]),
             parameters.is_right[joints],
-            moves_root,
             body_size(joint_matrices(keys)[..., 3]) or BODY,
         )
 
@@ -122,82 +128,34 @@ class Body:
 
         Returns
         -------
-        rotations, translations : array-like, shape=[F, J, 4], shape=[F, J, 3]
+        rotations, translations : array-like, shape=[F, B, 4], shape=[F, B, 3]
+            Of all joints.
         """
-        rotations, translations = self.dense.rotations[frames], self.dense.translations[frames]
-        patterns, pattern = np.unique(weights > 0.0, axis=0, return_inverse=True)
-        for k in np.flatnonzero(patterns.any(axis=1)):
-            active = patterns[k]
-            body, alike = self._of_points(active), np.flatnonzero(pattern.ravel() == k)
-            for start in range(0, len(alike), _CHUNK):
-                some = alike[start : start + _CHUNK]
-                goal, weight = (each[some][:, active] for each in (goals, weights))
-                rotations[some], translations[some] = body._solved(frames[some], goal, weight)
+        dense, number = self.dense, len(frames)
+        rotations, translations = dense.rotations[frames], dense.translations[frames]
+        hold = np.maximum(weights, _NEARLY_NONE)
+        softness = self.size**2 * np.where(weights > 0.0, _SOFT * (1.0 - weights) / hold + _DAMPING, np.inf)
+        scales = np.ones(translations.shape) if dense.scales is None else dense.scales[frames]
+        world = np.broadcast_to(np.eye(3, 4), (number, 3, 4)) if dense.world is None else dense.world[frames]
+        kernel.reach(
+            self.joints,
+            self.parents,
+            self.points,
+            np.concatenate([self.is_above, self.is_above[:, [self.root]]], axis=1),
+            self.root,
+            np.concatenate([self.units, _ROOT * self.size * np.eye(3)[None]]),
+            self.is_right,
+            _freedom(self.moves, *locate(self.key_times, dense.times[frames])),
+            quat.plain(world),
+            scales,
+            quat.plain(goals),
+            softness,
+            _ENOUGH,
+            _ITERATIONS,
+            rotations,
+            translations,
+        )
         return rotations, translations
-
-    def _of_points(self, active: np.ndarray) -> Body:
-        """Take some of the points, as a mask."""
-        return replace(self, points=self.points[active], is_above=self.is_above[active])
-
-    def _solved(self, frames: np.ndarray, goals: Array, weights: Array) -> tuple[Array, Array]:
-        motion = self.dense.at_frames(frames)
-        rotations, translations = np.array(motion.rotations), np.array(motion.translations)
-        above = np.flatnonzero(self.is_above.any(axis=0))
-        units, root_units = self._units(frames, rotations)
-        units = units[:, above]
-        softness = self.size**2 * (_SOFT * (1.0 - weights) / np.maximum(weights, _NEARLY_NONE) + _DAMPING)
-        softness = np.repeat(softness, 3, axis=1)
-        matrices, forces = joint_matrices(motion), np.zeros_like(softness)
-        for _ in range(_ITERATIONS):
-            spread = self._derivative(matrices, motion.world, above, units, root_units)
-            missing = (goals - matrices[..., 3][:, self.points]).reshape(len(frames), -1)
-            added = _solve(spread @ spread.swapaxes(1, 2), softness, missing - softness * forces)
-            forces += added
-            moves = (added[:, None] @ spread).reshape(len(frames), -1, 3)
-            turns = (units @ moves[:, :-1, :, None])[..., 0]
-            rotations[:, above] = quat.multiply(rotations[:, above], quat.exp(turns))
-            translations[:, self.root] += root_units[:, None] * moves[:, -1]
-            if np.abs(turns).max(initial=0.0) < _ENOUGH:
-                break
-            place_some(motion, rotations, translations, np.arange(len(self.joints)), matrices)
-        return rotations, translations
-
-    def _units(self, frames: np.ndarray, rotations: Array) -> tuple[Array, Array]:
-        """Return moves that cost one: turns in the frames of the joints, shape=[F, J, 3, 3], and that of the root.
-
-        What rests from a key to the next is not free there, and comes to be so in the segments beside.
-        """
-        keys = self.keys
-        segment, fraction = locate(keys.times, self.dense.times[frames])
-        turn = quat.distance(keys.rotations[1:], keys.rotations[:-1]) >= STILL
-        path = (keys.translations[1:, self.root] != keys.translations[:-1, self.root]).any(axis=-1)
-        free = _freedom(np.concatenate([turn, path[:, None] & self.moves_root], axis=1), segment, fraction)
-        units = free[:, :-1, None, None] * self.units
-        right = np.flatnonzero(self.is_right)
-        if len(right):
-            units[:, right] = quat.to_matrix(rotations[:, right]).swapaxes(-1, -2) @ units[:, right]
-        return units, _ROOT * self.size * free[:, -1]
-
-    def _derivative(
-        self, matrices: Array, world: Array | None, above: np.ndarray, units: Array, root_units: Array
-    ) -> Array:
-        """Return how points move with the units of turns of joints above, and of the root, shape=[F, 3 P, 3 A + 3]."""
-        axes, origins = matrices[:, above, :, :3], matrices[..., 3]
-        if self.dense.scales is not None or world is not None:
-            lengths = np.linalg.norm(axes, axis=-2, keepdims=True)
-            axes = axes / np.where(lengths > 0.0, lengths, 1.0)
-        arms = origins[:, self.points, None] - origins[:, None, above]  # shape=[F, P, A, 3]
-        arms *= self.is_above[:, above, None]
-        moved = np.empty((len(matrices), len(self.points), 3, len(above) + 1, 3))
-        # a turn w of a joint moves a point by (axes w) x arm
-        x, y, z = ((axes @ units)[:, None, :, k] for k in range(3))
-        u, v, w = (arms[..., k, None] for k in range(3))
-        for k, (plus, minus) in enumerate(((y * w, z * v), (z * u, x * w), (x * v, y * u))):
-            np.subtract(plus, minus, out=moved[:, :, k, :-1])
-        parent = self.dense.skeleton.parents[self.root]
-        placed = matrices[:, parent, :, :3] if parent >= 0 else np.eye(3)[None] if world is None else world[:, :, :3]
-        moved[:, :, :, -1] = (root_units[:, None, None] * placed)[:, None] * self.is_above[:, self.root, None, None]
-        return moved.reshape(len(matrices), 3 * len(self.points), -1)
 
 
 def _ancestors(skeleton: Skeleton, joints: np.ndarray) -> np.ndarray:
@@ -209,29 +167,6 @@ def _ancestors(skeleton: Skeleton, joints: np.ndarray) -> np.ndarray:
         is_above[has, above[has]] = True
         above = np.where(has, skeleton.parents[above], -1)
     return is_above
-
-
-def _part(animation: Animation, joints: np.ndarray) -> Animation:
-    """Take some joints, with each all above it."""
-    whole = animation.skeleton
-    parents = whole.parents[joints]
-    skeleton = Skeleton(
-        tuple(whole.joints[joint] for joint in joints),
-        np.where(parents >= 0, np.searchsorted(joints, parents), -1),
-        whole.rest_translations[joints],
-        whole.rest_rotations[joints],
-    )
-    scales = None if animation.scales is None else animation.scales[:, joints]
-    rotations, translations = animation.rotations[:, joints], animation.translations[:, joints]
-    return Animation(skeleton, animation.times, rotations, translations, scales, animation.world)
-
-
-def _solve(normal: Array, softness: Array, vectors: Array) -> Array:
-    """Solve (N + diag(s)) x = v, shape=[F, 3 P]; equations are scaled alike first, so that soft ones do no harm."""
-    diagonal = np.einsum("fii->fi", normal)
-    diagonal += softness
-    scale = 1.0 / np.sqrt(diagonal)
-    return scale * np.linalg.solve(scale[:, :, None] * normal * scale[:, None], (scale * vectors)[..., None])[..., 0]
 
 
 def smooth(share: Array) -> Array:

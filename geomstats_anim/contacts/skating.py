@@ -10,7 +10,7 @@ import numpy as np
 
 from geomstats_anim.animation import Animation
 from geomstats_anim.contacts.detection import Contacts
-from geomstats_anim.markers import joint_matrices
+from geomstats_anim.markers import joint_places
 
 
 class Skating(NamedTuple):
@@ -59,4 +59,4 @@ def skating(
 
 
 def _places(motion: Animation, original: Animation, contacts: Contacts) -> np.ndarray:
-    return joint_matrices(replace(motion, world=original.world))[..., 3][:, contacts.joints]
+    return joint_places(replace(motion, world=original.world), contacts.joints)

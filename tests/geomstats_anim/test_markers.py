@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from geomstats_anim import Animation, compress, interpolate, optimal_keyframes
 from geomstats_anim.criteria import location_errors
 from geomstats_anim.kinematics import world_pose
-from geomstats_anim.markers import Markers, joint_matrices, world_errors
+from geomstats_anim.markers import Markers, joint_matrices, joint_places, world_errors
 
 
 def affine(linear, offset):
@@ -42,6 +42,16 @@ def test_matrices_of_joints():
     rng = np.random.default_rng(0)
     animation = bent(samples.animation(rng, 5, 4), rng)
     np.testing.assert_allclose(joint_matrices(animation), placed_by_hand(animation)[:, :, :3], atol=1e-12)
+
+
+@pytest.mark.parametrize("joints", [[4], [3, 0], [1, 1, 2], []])
+def test_places_of_some_joints_are_those_of_all(joints):
+    rng = np.random.default_rng(0)
+    plain = samples.animation(rng, 5, 4)
+    for animation in (plain, bent(plain, rng)):
+        joints = np.array(joints, dtype=np.intp) % animation.n_joints
+        places = joint_places(animation, joints)
+        np.testing.assert_array_equal(places, joint_matrices(animation)[:, joints][..., 3])
 
 
 def test_without_scales_they_are_those_of_the_papers():

@@ -10,7 +10,7 @@ import numpy as np
 from geomstats_anim import Animation
 from geomstats_anim import rotations as quat
 from geomstats_anim.contacts import Planted, Plants, plant
-from geomstats_anim.markers import joint_matrices
+from geomstats_anim.markers import joint_places
 from usd_tools.characters.placement import placed
 from usd_tools.characters.planted import found_plants, stored_plants
 from usd_tools.console.errors import Messages
@@ -97,11 +97,14 @@ class ClipContacts:
             codes = channels["rotations"].codes
             first, last = clip.channels["rotations"].codes[stretch.span][[0, -1]]
             frames = np.flatnonzero((codes >= first) & (codes <= last))
+            wanted = np.isin(codes[frames], upsampled.codes)
             dense = placed(shown, shown.keys(self._names, frames))
-            result = plant(dense, stretch.keys, stretch.plants, parameters, self._reach, "translations" in self._names)
+            moves_root = "translations" in self._names
+            result = plant(dense, stretch.keys, stretch.plants, parameters, self._reach, moves_root, wanted)
+            before, frames = dense.at_frames(wanted), frames[wanted]
             for name in self._names:
-                _write(clip, channels[name], frames, getattr(dense, name), getattr(result.animation, name))
-            kept = _joined(kept, clip, dense, result)
+                _write(clip, channels[name], frames, getattr(before, name), getattr(result.animation, name))
+            kept = _joined(kept, clip, before, result)
         at_codes = {name: channel.at(np.isin(channel.codes, upsampled.codes)) for name, channel in channels.items()}
         return replace(upsampled, result=replace(upsampled.result, channels=at_codes), contacts=kept)
 
@@ -145,7 +148,7 @@ def _write(clip: SkelClip, channel: Channel, frames: np.ndarray, before: np.ndar
 def _joined(kept: KeptContacts, clip: SkelClip, before: Animation, planted: Planted) -> KeptContacts:
     """Add the contacts of a stretch, by the motion before and what became of it."""
     joints = np.unique(planted.plants.joints)
-    places = [joint_matrices(each)[..., 3][:, joints] for each in (before, planted.animation)]
+    places = [joint_places(each, joints) for each in (before, planted.animation)]
     way = 100.0 * np.linalg.norm(places[1] - places[0], axis=-1).max(initial=0.0)
     turn = np.degrees(quat.distance(before.rotations, planted.animation.rotations).max(initial=0.0))
     names = {clip.skeleton.joints[joint] for joint in joints}.union(kept.joints)

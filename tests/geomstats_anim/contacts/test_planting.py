@@ -75,6 +75,18 @@ def test_keys_and_frames_without_contact_stay_bit_for_bit(dense_contacts):
     np.testing.assert_array_equal(after.rotations[:, others], dense.rotations[:, others])
 
 
+@pytest.mark.parametrize("reach", [np.inf, 0.0])
+def test_frames_that_are_wanted_are_those_of_all(reach):
+    original, keys, plants, dense = case()
+    wanted = np.isin(dense.times, original.times)
+    assert 0 < wanted.sum() < len(wanted)
+    some = plant(dense, keys, plants, identity(dense), reach, wanted=wanted)
+    every = plant(dense, keys, plants, identity(dense), reach)
+    assert some.plants.number == every.plants.number
+    for name in ("times", "rotations", "translations"):
+        np.testing.assert_array_equal(getattr(some.animation, name), getattr(every.animation, name)[wanted])
+
+
 @pytest.mark.parametrize("dense_contacts", [True, False])
 def test_velocities_stay_continuous(dense_contacts):
     _, keys, plants, _ = case(0.15, dense_contacts)
