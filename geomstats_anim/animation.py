@@ -266,6 +266,17 @@ class Animation:
         )
 
 
+def backwards(animation: Animation) -> Animation:
+    """Return the motion in reverse, at the same times."""
+    return replace(
+        animation,
+        rotations=animation.rotations[::-1],
+        translations=animation.translations[::-1],
+        scales=None if animation.scales is None else animation.scales[::-1],
+        world=None if animation.world is None else animation.world[::-1],
+    )
+
+
 def _indices(frames: np.ndarray, n_frames: int) -> np.ndarray:
     """Turn a mask or indices of frames into indices."""
     if frames.dtype == bool:

@@ -84,11 +84,13 @@ def _decode(
         last = max(bisect_left(bounds, stop), first + 1)
     chosen = segments[first:last]
     values = [decode_segment(segment, layout) for segment in chosen]
+    if header.is_backwards:
+        values = [part[::-1] for part in values]
     return header, values, [segment.turns for segment in chosen], slice(bounds[first], bounds[last])
 
 
 def decode_segment(segment: Segment, layout: Layout) -> Array:
-    """Return the samples of every channel of a segment, shape=[F, G, 3]."""
+    """Return the samples of every channel of a segment as they are stored, shape=[F, G, 3]."""
     lattice = new_lattice(layout, segment.steps, 1 if segment.is_still else segment.n_frames, with_basis=False)
     entropy.decode(segment.payload, lattice)
     values = to_values(lattice)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,6 +27,9 @@ _CLOSE = 0.97
 
 _TIGHTEN = 0.995
 """Tolerance of the next attempt over what would just do if errors were in proportion."""
+
+_SMALL_STREAM = 1024
+"""Bytes below which both directions of time are tried: the smaller a stream, the more they differ by chance."""
 
 _STILL = 1e-9
 """Metres, or units, that a channel may move and still stand still."""
@@ -98,24 +102,76 @@ def pack(
         has_scales,
         tuple(Channel(name, np.asarray(each.values).shape[1]) for name, each in channels.items()),
     )
-    more = Markers.none() if markers is None else markers
-    searched = Markers.of_shell(animation, shell)
-    measured = searched.joined(more)
-    searched = searched.joined(_with_one_joint(more.chosen(spread(more)), _MAIN))
-    pieces = _pieces(animation, segment, cuts)
-    inner = tolerance
-    for _ in range(_TIGHTER):
-        packer = Packer(animation, header, searched, inner, scale_tolerance, channels, effort)
-        segments = [packer.pack(start, stop, progress) for start, stop in zip(pieces[:-1], pieces[1:], strict=True)]
-        stream = write_stream(skeleton, header, segments)
-        decoded = unpack(stream, skeleton)
-        worst = world_errors(decoded, animation, measured).max(initial=0.0)
-        if worst <= tolerance:
-            return stream
-        further = more.chosen(largest_by_marker(decoded, animation, more) > _CLOSE * tolerance)
-        searched = searched.joined(_with_one_joint(further.chosen(spread(further)), _SMALL))
-        inner *= min(1.0, _TIGHTEN * tolerance / worst)
-    raise ValueError(f"The tolerance of {tolerance:g} m cannot be kept; the nearest is {worst:g} m. Use a larger one.")
+    bounds = _pieces(animation, segment, cuts).tolist()
+    pieces = list(zip(bounds[:-1], bounds[1:], strict=True))
+    around, more = Markers.of_shell(animation, shell), Markers.none() if markers is None else markers
+    task = _Task(animation, tolerance, scale_tolerance, channels, effort, around, more, pieces)
+    reverse = header._replace(is_backwards=True)
+    known = task.packed_before(header) or task.packed_before(reverse)
+    if known is not None:
+        if progress is not None:
+            progress(animation.n_frames, animation.n_frames)
+        return known
+    stream, worst = task.search(header, progress)
+    if worst > tolerance:
+        raise ValueError(
+            f"The tolerance of {tolerance:g} m cannot be kept; the nearest is {worst:g} m. Use a larger one."
+        )
+    if len(stream) < _SMALL_STREAM:
+        other, its_worst = task.search(reverse, None)
+        if its_worst <= tolerance:
+            stream = min(stream, other, key=len)
+    return stream
+
+
+class _Task(NamedTuple):
+    """What is to be packed, and how."""
+
+    animation: Animation
+    tolerance: float
+    scale_tolerance: float
+    channels: Mapping[str, ExtraChannel]
+    effort: str
+    shell: Markers
+    more: Markers
+    pieces: list[tuple[int, int]]
+
+    def packed_before(self, header: Header) -> bytes | None:
+        """Return the stream that all pieces were decoded from, None if there is none."""
+        packer, segments = self._packer(header, self.shell, self.tolerance), []
+        for start, stop in self.pieces:
+            segment = packer.packed_before(start, stop)
+            if segment is None:
+                return None
+            segments.append(segment)
+        stream = write_stream(self.animation.skeleton, header, segments)
+        return stream if self._worst(self._decoded(stream)) <= self.tolerance else None
+
+    def search(self, header: Header, progress: Callable[[int, int], None] | None) -> tuple[bytes, float]:
+        """Return a stream and its largest error, beyond the tolerance only if nothing keeps that."""
+        more, inner = self.more, self.tolerance
+        searched = self.shell.joined(_with_one_joint(more.chosen(spread(more)), _MAIN))
+        for _ in range(_TIGHTER):
+            packer = self._packer(header, searched, inner)
+            segments = [packer.pack(start, stop, progress) for start, stop in self.pieces]
+            stream = write_stream(self.animation.skeleton, header, segments)
+            decoded = self._decoded(stream)
+            worst = self._worst(decoded)
+            if worst <= self.tolerance:
+                break
+            further = more.chosen(largest_by_marker(decoded, self.animation, more) > _CLOSE * self.tolerance)
+            searched = searched.joined(_with_one_joint(further.chosen(spread(further)), _SMALL))
+            inner *= min(1.0, _TIGHTEN * self.tolerance / worst)
+        return stream, worst
+
+    def _packer(self, header: Header, searched: Markers, tolerance: float) -> Packer:
+        return Packer(self.animation, header, searched, tolerance, self.scale_tolerance, self.channels, self.effort)
+
+    def _decoded(self, stream: bytes) -> Animation:
+        return unpack(stream, self.animation.skeleton)
+
+    def _worst(self, decoded: Animation) -> float:
+        return float(world_errors(decoded, self.animation, self.shell.joined(self.more)).max(initial=0.0))
 
 
 def _with_one_joint(markers: Markers, weight: float) -> Markers:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from geomstats_anim.animation import Animation
+from geomstats_anim.animation import Animation, backwards
 from geomstats_anim.codec import entropy
 from geomstats_anim.codec.chart import choose_turns, references, to_vectors
 from geomstats_anim.codec.lattice import Steps, code_of, new_lattice, to_coefficients, to_lattice_coordinates, to_values
@@ -56,6 +56,21 @@ class ExtraChannel(NamedTuple):
     tolerance: float
 
 
+class _Piece(NamedTuple):
+    """Frames that make a segment, in the order in which they are stored; one frame if they are still."""
+
+    motion: Animation
+    turns: np.ndarray
+    values: Array
+    coefficients: Array
+    n_frames: int
+    is_still: bool
+
+    def segment(self, steps: Steps, lattice: Lattice) -> Segment:
+        """Return the segment of some integers."""
+        return Segment(self.n_frames, self.is_still, steps, self.turns, entropy.encode(lattice))
+
+
 class Packer:
     """Packs one piece after the other with the same settings."""
 
@@ -86,17 +101,16 @@ class Packer:
 
     def pack(self, start: int, stop: int, progress: Callable[[int, int], None] | None) -> Segment:
         """Pack the frames from start to stop."""
-        piece = self.animation.at_frames(slice(start, stop))
-        turns = choose_turns(piece.skeleton.rest_rotations, piece.rotations)
-        values = self.values(piece, turns, self.others[start:stop])
-        is_still = np.ptp(values, axis=0).max(initial=0.0) < _STILL
-        if is_still:
-            piece, values = piece.at_frames(slice(0, 1)), values[:1]
-        steps, lattice = self._integers(piece, turns, values)
+        piece = self._piece(start, stop)
+        segment = self._packed_before(piece) or self._packed(piece)
         if progress is not None:
             self.done += stop - start
             progress(self.done, self.animation.n_frames)
-        return Segment(stop - start, bool(is_still), steps, turns, entropy.encode(lattice))
+        return segment
+
+    def packed_before(self, start: int, stop: int) -> Segment | None:
+        """Return the segment that the frames from start to stop were decoded from, None if they were not."""
+        return self._packed_before(self._piece(start, stop))
 
     @property
     def steps(self) -> list[Steps]:
@@ -108,29 +122,44 @@ class Packer:
             for n in range(_FINEST)
         ]
 
-    def _integers(self, piece: Animation, turns: np.ndarray, values: Array) -> tuple[Steps, Lattice]:
-        """Return integers that keep the tolerance, or the finest there are."""
-        coefficients = to_coefficients(values)
-        for steps in self.steps:
-            lattice, coordinates = self.rounded(coefficients, steps)
-            if np.abs(coordinates - lattice.integers).max(initial=0.0) < _ON_LATTICE:
-                return steps, lattice  # packed before
-        for steps in self._promising(piece, turns, values, coefficients):
-            lattice, coordinates = self.rounded(coefficients, steps)
-            moving = np.flatnonzero(np.abs(coordinates).max(axis=(0, 2)) > _STILL_STEPS)
-            if self._searched(self.pose(piece, turns, values, lattice), lattice, moving):
-                return steps, lattice
-        return steps, self.rounded(coefficients, steps)[0]
+    def _piece(self, start: int, stop: int) -> _Piece:
+        """Return the frames from start to stop, in the order in which they are stored."""
+        motion = self.animation.at_frames(slice(start, stop))
+        turns = choose_turns(motion.skeleton.rest_rotations, motion.rotations)
+        values = self.values(motion, turns, self.others[start:stop])
+        is_still = bool(np.ptp(values, axis=0).max(initial=0.0) < _STILL)
+        if is_still:
+            motion, values = motion.at_frames(slice(0, 1)), values[:1]
+        elif self.header.is_backwards:
+            motion, values = backwards(motion), values[::-1]
+        return _Piece(motion, turns, values, to_coefficients(values), stop - start, is_still)
 
-    def _promising(self, piece: Animation, turns: np.ndarray, values: Array, coefficients: Array) -> list[Steps]:
+    def _packed_before(self, piece: _Piece) -> Segment | None:
+        for steps in self.steps:
+            lattice, coordinates = self.rounded(piece.coefficients, steps)
+            if np.abs(coordinates - lattice.integers).max(initial=0.0) < _ON_LATTICE:
+                return piece.segment(steps, lattice)
+        return None
+
+    def _packed(self, piece: _Piece) -> Segment:
+        """Return a segment that keeps the tolerance, or the finest there is."""
+        for steps in self._promising(piece):
+            lattice, coordinates = self.rounded(piece.coefficients, steps)
+            moving = np.flatnonzero(np.abs(coordinates).max(axis=(0, 2)) > _STILL_STEPS)
+            if self._searched(self.pose(piece.motion, piece.turns, piece.values, lattice), lattice, moving):
+                return piece.segment(steps, lattice)
+        return piece.segment(steps, self.rounded(piece.coefficients, steps)[0])
+
+    def _promising(self, piece: _Piece) -> list[Steps]:
         """Return the steps to search with: without repairs, by bisection, those at which rounding is good enough."""
         if self.effort.repairs:
             return self.steps[:_FINER]
         low, high = 0, len(self.steps) - 1
         while low < high:
             middle = (low + high) // 2
-            lattice, _ = self.rounded(coefficients, self.steps[middle])
-            if self._searched(self.pose(piece, turns, values, lattice), lattice, np.zeros(0, dtype=np.intp)):
+            lattice, _ = self.rounded(piece.coefficients, self.steps[middle])
+            pose = self.pose(piece.motion, piece.turns, piece.values, lattice)
+            if self._searched(pose, lattice, np.zeros(0, dtype=np.intp)):
                 high = middle
             else:
                 low = middle + 1

@@ -24,7 +24,7 @@ MOST_NUMBERS = 2**23
 """Frames times groups of three channels at most, so that strangers cannot ask for more memory than half a GiB."""
 
 _PREFIX = struct.Struct("<B3sH")
-_TRANSLATIONS, _SCALES, _CHANNELS = 1, 2, 4
+_TRANSLATIONS, _SCALES, _CHANNELS, _BACKWARDS = 1, 2, 4, 8
 _GRID = 1e4
 """Cells of the rest pose per metre or unit, by which it is recognised."""
 
@@ -67,12 +67,13 @@ class Segment(NamedTuple):
 
 
 class Header(NamedTuple):
-    """Facts that hold for all segments."""
+    """Facts that hold for all segments; `is_backwards`: the integers of each are those of its frames in reverse."""
 
     times: Array
     has_translations: bool
     has_scales: bool
     channels: tuple[Channel, ...]
+    is_backwards: bool = False
 
     @property
     def n_others(self) -> int:
@@ -104,6 +105,7 @@ def write_stream(skeleton: Skeleton, header: Header, segments: list[Segment]) ->
     """Return a stream."""
     writer = Writer()
     flags = _TRANSLATIONS * header.has_translations + _SCALES * header.has_scales + _CHANNELS * bool(header.channels)
+    flags |= _BACKWARDS * header.is_backwards
     writer.number(flags)
     writer.number(len(header.times))
     write_times(writer, header.times)
@@ -175,14 +177,15 @@ def read_stream(stream: bytes, skeleton: Skeleton | None = None) -> tuple[Header
             "The stream was packed for another skeleton: joints, rest pose or bone ends differ; restore the skeleton."
         )
     reader = Reader(body)
-    flags = reader.number(_TRANSLATIONS + _SCALES + _CHANNELS)
+    flags = reader.number(_TRANSLATIONS + _SCALES + _CHANNELS + _BACKWARDS)
     n_frames = reader.number(MOST_FRAMES)
     times = read_times(reader, n_frames)
     channels: list[Channel] = []
     for _ in range(reader.number(len(body)) if flags & _CHANNELS else 0):
         name = reader.block().decode("utf-8", "replace")
         channels.append(Channel(name, reader.number(MOST_NUMBERS)))
-    header = Header(times, bool(flags & _TRANSLATIONS), bool(flags & _SCALES), tuple(channels))
+    has_translations, has_scales = bool(flags & _TRANSLATIONS), bool(flags & _SCALES)
+    header = Header(times, has_translations, has_scales, tuple(channels), bool(flags & _BACKWARDS))
     n_joints = 0 if skeleton is None else skeleton.n_joints
     if n_frames * (3 * n_joints + header.n_others) > MOST_NUMBERS:
         raise StreamError("The stream is damaged: it asks for more numbers than a stream may hold.")

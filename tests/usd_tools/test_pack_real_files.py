@@ -8,6 +8,8 @@ from file_table import TABLE
 from pxr import Usd
 from real_files import CLIPS, SHARED, real_file
 
+from geomstats_anim.animation import backwards
+from geomstats_anim.codec import pack, unpack
 from geomstats_anim.markers import Markers, world_errors
 from usd_tools.skel.clip import read_clip
 from usd_tools.skel.find import find_animations
@@ -81,3 +83,23 @@ def test_a_tenth_of_a_millimetre(tmp_path, name, run):
     (truth,), (ours,) = (tuple(clips(path).values()) for path in (source, packed))
     errors = world_errors(animation_of(ours), animation_of(truth), Markers.of_shell(animation_of(truth)))
     assert 0.004 < 100.0 * errors.max() <= 0.01
+
+
+def moving_clip(name):
+    """Return the animation of a real file that moves."""
+    (clip,) = clips(real_file(f"clips/{name}.usda")).values()
+    return animation_of(clip)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tolerance", [0.01, 0.03])
+@pytest.mark.parametrize("name", ["sitting", "punching", "jumping", "pitching"])
+def test_motion_in_reverse_costs_the_same_and_is_packed_again_alike(name, tolerance):
+    animation, sizes = moving_clip(name), []
+    for each in (animation, backwards(animation)):
+        stream = pack(each, tolerance)
+        decoded = unpack(stream, each.skeleton)
+        assert world_errors(decoded, each, Markers.of_shell(each)).max() <= tolerance
+        assert pack(decoded, tolerance) == stream
+        sizes.append(len(stream))
+    assert sizes[0] == pytest.approx(sizes[1], rel=0.05)
