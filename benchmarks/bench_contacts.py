@@ -61,15 +61,15 @@ def clip_of(path: Path) -> tuple[Animation, np.ndarray]:
     return replace(motion, world=clip.placements(motion.times * clip.codes_per_second)), up_in_world(clip)
 
 
-def best(work: Callable[[], object]) -> float:
-    """Return the least processor time of some runs, after one that compiles."""
-    work()
-    spent = []
-    for _ in range(TIMES):
-        start = time.process_time()
-        work()
-        spent.append(time.process_time() - start)
-    return min(spent)
+def best(*works: Callable[[], object]) -> list[float]:
+    """Return the least processor time of some runs of each, in turn, after one that compiles."""
+    spent: list[list[float]] = [[] for _ in works]
+    for _ in range(1 + TIMES):
+        for work, seconds in zip(works, spent, strict=True):
+            start = time.process_time()
+            work()
+            seconds.append(time.process_time() - start)
+    return [min(seconds[1:]) for seconds in spent]
 
 
 def kept(original: Animation, keys: Animation, plants: Plants, reach: float) -> tuple[Animation, Plants]:
@@ -119,7 +119,7 @@ def measured(original: Animation, up: np.ndarray) -> Result | None:
         return kept(original, keys, stored.through_keys(keys), np.inf)
 
     plain, (few, plants), (all_, _) = spline(), by_samples(), by_stored()
-    usual, seconds = quality(plain, original), best(spline)
+    usual, (seconds, *costs) = quality(plain, original), best(spline, by_samples, by_stored)
     return Result(
         skate(original),
         skate(SCHEMES["slerp"](keys)(original.times)),
@@ -128,8 +128,8 @@ def measured(original: Animation, up: np.ndarray) -> Result | None:
         skate(all_),
         quality(few, original) / usual - 1.0,
         quality(all_, original) / usual - 1.0,
-        best(by_samples) / seconds,
-        best(by_stored) / seconds,
+        costs[0] / seconds,
+        costs[1] / seconds,
         lift(original, plants, up),
     )
 

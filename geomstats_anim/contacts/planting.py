@@ -203,7 +203,7 @@ def plant(
     chosen = np.arange(dense.n_frames) if wanted is None else np.flatnonzero(wanted)
     if left.all():
         return Planted(dense if wanted is None else dense.at_frames(chosen), plants.chosen(~left), plants)
-    kept = np.unique(column[~left])
+    kept = np.flatnonzero(np.bincount(column[~left]))
     body = Body.of(dense, keys, points[kept], parameters, moves_root)
     moved = np.flatnonzero(pulls.ways[chosen].any(axis=(1, 2)))
     some = np.ix_(chosen[moved], kept)

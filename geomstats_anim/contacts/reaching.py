@@ -97,8 +97,7 @@ class Body:
         joints = np.union1d(np.flatnonzero(is_above.any(axis=0)), points)
         parents = dense.skeleton.parents[joints]
         root = int((np.ptp(keys.translations[:, joints], axis=0) > 0.0).any(axis=-1).argmax())
-        carried = _ancestors(dense.skeleton, np.arange(dense.n_joints)).mean(axis=0)[joints]
-        lighter = np.maximum(1.0 - carried - 1.0 / dense.n_joints, _LEAST)
+        lighter = np.maximum(1.0 - _carried(dense.skeleton)[joints], _LEAST)
         turns = quat.distance(keys.rotations[1:, joints], keys.rotations[:-1, joints]) >= STILL
         path = (keys.translations[1:, joints[root]] != keys.translations[:-1, joints[root]]).any(axis=-1)
         return cls(
@@ -110,7 +109,7 @@ class Body:
             np.searchsorted(joints, points),
             is_above[:, joints],
             root,
-            np.linalg.cholesky(np.linalg.inv(parameters.at(joints).matrices) * lighter[:, None, None]),
+            np.linalg.cholesky(np.linalg.inv(parameters.matrices[joints]) * lighter[:, None, None]),
             parameters.is_right[joints],
             body_size(joint_matrices(keys)[..., 3]) or BODY,
         )
@@ -167,6 +166,15 @@ def _ancestors(skeleton: Skeleton, joints: np.ndarray) -> np.ndarray:
         is_above[has, above[has]] = True
         above = np.where(has, skeleton.parents[above], -1)
     return is_above
+
+
+def _carried(skeleton: Skeleton) -> Array:
+    """Return the share of all joints that each carries, itself included, shape=[B]."""
+    carried, parents = [1] * skeleton.n_joints, skeleton.parents.tolist()
+    for joint in range(skeleton.n_joints - 1, 0, -1):  # parents come before their children
+        if parents[joint] >= 0:
+            carried[parents[joint]] += carried[joint]
+    return np.array(carried) / skeleton.n_joints
 
 
 def smooth(share: Array) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 
 from geomstats_anim.kernels.affine import place_joint
 from geomstats_anim.kernels.compilation import compiled
-from geomstats_anim.kernels.vectors import cross, multiply, rotate_back
+from geomstats_anim.kernels.vectors import cross, dot, multiply, rotate_back
 
 
 @compiled
@@ -139,7 +139,9 @@ def _derivative(matrices, axes, points, moves, pulled, moving, spread):
             if not moves[p, b]:
                 continue
             if b == len(matrices):
-                spread[p, b] = axes[b]
+                for i in range(3):
+                    for k in range(3):
+                        spread[p, b, i, k] = axes[b, i, k]
                 continue
             m = matrices[b]
             arm = (o[0, 3] - m[0, 3], o[1, 3] - m[1, 3], o[2, 3] - m[2, 3])
@@ -154,18 +156,26 @@ def _form(spread, moves, softness, pulled, moving, normal):
     for i in range(len(pulled)):
         for j in range(i + 1):
             p, o = pulled[i], pulled[j]
-            block = normal[3 * i : 3 * i + 3, 3 * j : 3 * j + 3]
-            block[:] = 0.0
+            soft = softness[p] if i == j else 0.0
+            x, y, z = (soft, 0.0, 0.0), (0.0, soft, 0.0), (0.0, 0.0, soft)
             for b in moving:
                 if moves[p, b] and moves[o, b]:
-                    u, v = spread[p, b], spread[o, b]
-                    for k in range(3):
-                        x, y, z = u[k, 0], u[k, 1], u[k, 2]
-                        for m in range(3):
-                            block[k, m] += x * v[m, 0] + y * v[m, 1] + z * v[m, 2]
-            if i == j:
-                for k in range(3):
-                    block[k, k] += softness[p]
+                    u, v = _rows(spread, p, b), _rows(spread, o, b)
+                    x = (x[0] + dot(u[0], v[0]), x[1] + dot(u[0], v[1]), x[2] + dot(u[0], v[2]))
+                    y = (y[0] + dot(u[1], v[0]), y[1] + dot(u[1], v[1]), y[2] + dot(u[1], v[2]))
+                    z = (z[0] + dot(u[2], v[0]), z[1] + dot(u[2], v[1]), z[2] + dot(u[2], v[2]))
+            for m in range(3):
+                normal[3 * i, 3 * j + m], normal[3 * i + 1, 3 * j + m], normal[3 * i + 2, 3 * j + m] = x[m], y[m], z[m]
+
+
+@compiled
+def _rows(spread, p, b):
+    """Return how a point moves with three units, row by row."""
+    return (
+        (spread[p, b, 0, 0], spread[p, b, 0, 1], spread[p, b, 0, 2]),
+        (spread[p, b, 1, 0], spread[p, b, 1, 1], spread[p, b, 1, 2]),
+        (spread[p, b, 2, 0], spread[p, b, 2, 1], spread[p, b, 2, 2]),
+    )
 
 
 @compiled

@@ -39,7 +39,7 @@ def test_the_correction_is_the_smallest_to_second_order():
         placed = places_of(replace(animation.at_frames(frames), rotations=whole), body, slice(None))
         return 1e3 * (placed - goal)[0, 0]
 
-    best = minimize(cost, np.zeros(found.size), constraints={"type": "eq", "fun": miss}, method="SLSQP", tol=1e-14)
+    best = minimize(cost, np.zeros(found.size), constraints={"type": "eq", "fun": miss}, method="SLSQP", tol=1e-12)
     assert best.success
     assert np.abs(miss(found.ravel())).max() < 1e-2  # micrometres
     assert cost(found.ravel()) < 1.01 * best.fun
