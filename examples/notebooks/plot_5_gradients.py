@@ -94,5 +94,5 @@ plt.show()
 #    for _ in range(200):
 #        optimizer.zero_grad()
 #        middle = torch_functions.geodesic(starts, ends, [0.5], *logarithms.exp())
-#        ((middle - seen) ** 2).sum().backward()
+#        ((middle - torch.as_tensor(seen)) ** 2).sum().backward()
 #        optimizer.step()

@@ -31,9 +31,9 @@ def exp(
 
     Parameters
     ----------
-    tangent_vec, base_point : tensor, shape=[..., B, 3, 3]
-    alpha, beta : tensor, shape=[B]
-    axes : tensor, shape=[B, 3]
+    tangent_vec, base_point : tensor or array-like, shape=[..., B, 3, 3]
+    alpha, beta : tensor or array-like, shape=[B]
+    axes : tensor or array-like, shape=[B, 3]
         Optional, default: None, diagonal matrices.
     invariance : str or sequence of str
         Optional, default: "left".
@@ -42,7 +42,7 @@ def exp(
     -------
     end_point : tensor, shape=[..., B, 3, 3]
     """
-    return _Exp.apply(tangent_vec, base_point, alpha, beta, axes, invariance)
+    return _Exp.apply(*_tensors(tangent_vec, base_point, alpha, beta, axes), invariance)
 
 
 def log(point: Any, base_point: Any, alpha: Any, beta: Any, axes: Any = None, invariance: Invariance = "left") -> Any:
@@ -57,14 +57,14 @@ def log(point: Any, base_point: Any, alpha: Any, beta: Any, axes: Any = None, in
     RuntimeError
         If no geodesic was found for an element.
     """
-    return _Log.apply(point, base_point, alpha, beta, axes, invariance)
+    return _Log.apply(*_tensors(point, base_point, alpha, beta, axes), invariance)
 
 
 def squared_dist(
     point: Any, base_point: Any, alpha: Any, beta: Any, axes: Any = None, invariance: Invariance = "left"
 ) -> Any:
     """Measure squared distances, shape=[...], in Geomstats' scale; see `log`."""
-    return _SquaredDist.apply(point, base_point, alpha, beta, axes, invariance)
+    return _SquaredDist.apply(*_tensors(point, base_point, alpha, beta, axes), invariance)
 
 
 def dist(point: Any, base_point: Any, alpha: Any, beta: Any, axes: Any = None, invariance: Invariance = "left") -> Any:
@@ -82,10 +82,15 @@ def geodesic(
     invariance: Invariance = "left",
 ) -> Any:
     """Return the poses, shape=[..., n_times, B, 3, 3], at times of the shortest geodesics between points."""
+    base_point, point = _tensors(base_point, point)
     vector = log(point, base_point, alpha, beta, axes, invariance)
     times = torch.as_tensor(times, dtype=vector.dtype, device=vector.device)
     vectors = torch.einsum("t,...bij->...tbij", times, vector)
     return exp(vectors, base_point[..., None, :, :, :], alpha, beta, axes, invariance)
+
+
+def _tensors(*values: Any) -> tuple[Any, ...]:
+    return tuple(value if value is None else torch.as_tensor(value) for value in values)
 
 
 def _plain(value: Any) -> Any:

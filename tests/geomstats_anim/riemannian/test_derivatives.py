@@ -147,6 +147,20 @@ def test_distances_by_everything(functions, problem, name):
     check(functions, by_points, (points, base))
 
 
+def test_arrays_of_numpy_are_taken(functions, problem):
+    points, base, vector, numbers, _ = problem
+    calls = [
+        ("exp", (vector, base)),
+        ("log", (points, base)),
+        ("dist", (points, base)),
+        ("geodesic", (base, points, [0.5])),
+    ]
+    for name, arguments in calls:
+        call = getattr(functions, name)
+        expected = call(*(constant(functions, argument) for argument in (*arguments, *numbers)), invariance=SIDES)
+        np.testing.assert_array_equal(call(*arguments, *numbers, invariance=SIDES), expected)
+
+
 def test_geodesics_by_everything(functions, problem):
     points, base, _, numbers, weights = problem
     weights = constant(functions, np.stack([weights, 2.0 * weights], axis=1))
