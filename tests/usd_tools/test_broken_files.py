@@ -73,10 +73,10 @@ def test_output_that_openusd_cannot_read_again(tmp_path, refuse, monkeypatch):
     assert sentence.startswith("out.usda could not be read back: out.usda:")
 
 
-@pytest.mark.parametrize("inputs", [20, pytest.param(10_000, marks=pytest.mark.slow)])
-def test_thousands_of_broken_files(inputs):
+@pytest.mark.slow
+def test_thousands_of_broken_files():
     """Never a traceback, a hang, a file left behind or a changed input; what OpenUSD itself dies of is told apart."""
-    command = [sys.executable, "-m", "tests.fuzz", "--inputs", str(inputs)]
+    command = [sys.executable, "-m", "tests.fuzz", "--inputs", "10000"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, errors="replace")
     print(done.stdout)
     assert done.returncode == 0, done.stdout + done.stderr

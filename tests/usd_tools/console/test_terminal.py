@@ -14,6 +14,8 @@ import pytest
 from real_files import real_file
 from rich.cells import cell_len
 
+pytestmark = pytest.mark.slow
+
 N_COLUMNS = 80
 
 CALLS = {
@@ -73,9 +75,7 @@ def in_a_terminal(command, folder):
     return text
 
 
-@pytest.fixture(
-    scope="module", params=["clips/punching.usda", pytest.param("clips/sitting.usda", marks=pytest.mark.slow)]
-)
+@pytest.fixture(scope="module", params=["clips/punching.usda", "clips/sitting.usda"])
 def shown(request, tmp_path_factory):
     """Return the output of every verb, once in a terminal and once in a file."""
     folder = tmp_path_factory.mktemp("terminal")
