@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geomstats_anim import rotations as quat
-from geomstats_anim.faults import Fault, fill, find_faults, mask_of
+from geomstats_anim.faults import fill, find_faults, mask_of
 from geomstats_anim.names import DROPOUT, GAP, SPIKE
 from geomstats_anim.spaces import Points, Turns
 
