@@ -22,6 +22,7 @@ from pxr import Usd
 
 from geomstats_anim import SCHEMES, Animation, MetricParameters, quality, uniform_keyframes
 from geomstats_anim.contacts import Plants, find_contacts, plant, skating
+from geomstats_anim.interpolation.curves import Curve
 from geomstats_anim.markers import joint_matrices
 from usd_tools.example_clips.body import build_skin
 from usd_tools.example_clips.motions.jumping import jumping
@@ -72,13 +73,12 @@ def best(*works: Callable[[], object]) -> list[float]:
     return [min(seconds[1:]) for seconds in spent]
 
 
-def kept(original: Animation, keys: Animation, plants: Plants, reach: float) -> tuple[Animation, Plants]:
-    """Rebuild a clip from keys by the plain spline, and keep points planted."""
+def kept(original: Animation, curve: Curve, plants: Plants, reach: float) -> tuple[Animation, Plants]:
+    """Rebuild a clip by a curve through keys, and keep points planted."""
     times = np.union1d(original.times, plants.probes())
-    dense = SCHEMES["geodesic-spline"](keys)(times)
-    dense = replace(dense, world=worlds(original, times))
+    dense = replace(curve(times), world=worlds(original, times))
     metric = MetricParameters.identity(dense.n_joints)
-    planted = plant(dense, keys, plants, metric, reach, wanted=np.isin(times, original.times))
+    planted = plant(dense, curve.animation, plants, metric, reach, wanted=np.isin(times, original.times))
     return planted.animation, planted.plants
 
 
@@ -111,12 +111,13 @@ def measured(original: Animation, up: np.ndarray) -> Result | None:
         return SCHEMES["geodesic-spline"](keys)(original.times)
 
     def by_samples() -> tuple[Animation, Plants]:
-        return kept(original, keys, Plants.of(find_contacts(keys, up), keys).through_keys(keys), 0.01 * REACH)
+        plants = Plants.of(find_contacts(keys, up), keys).through_keys(keys)
+        return kept(original, SCHEMES["geodesic-spline"](keys), plants, 0.01 * REACH)
 
     stored = Plants.of(contacts, original)
 
     def by_stored() -> tuple[Animation, Plants]:
-        return kept(original, keys, stored.through_keys(keys), np.inf)
+        return kept(original, SCHEMES["geodesic-spline"](keys), stored.through_keys(keys), np.inf)
 
     plain, (few, plants), (all_, _) = spline(), by_samples(), by_stored()
     usual, (seconds, *costs) = quality(plain, original), best(spline, by_samples, by_stored)

@@ -4,19 +4,35 @@
 
 Reads the clips of ../shared/data/library/bandai. Known actions: every third clip of five styles, by a library of the
 others (walks, runs, dashes); unseen: every third walk, by a library without walks. Of the network and of
-hips the raw predictions are scored, before any guard: what is left of the weights of sines, or of the path.
+hips the raw predictions are scored, before any guard: what is left of the weights of sines, or of the path. Feet that
+are kept planted are scored with the translations of the rebuilt clips, since planting may move the hips.
 """
 
 from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
+from bench_contacts import clip_of, kept
 from bench_geodesics import Line, print_table
-from bench_library import ACTIONS, STYLES, best_free, errors, free_errors, learned_errors, pair, ratios, read
+from bench_library import (
+    ACTIONS,
+    DATA,
+    GAPS,
+    RATES,
+    STYLES,
+    best_free,
+    errors,
+    free_errors,
+    keys_of,
+    learned_errors,
+    pair,
+    ratios,
+    read,
+)
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.neural_network import MLPRegressor
 
@@ -24,12 +40,16 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from geomstats_anim import Animation, interpolate, learn_library, optimal_keyframes  # noqa: E402
 from geomstats_anim import rotations as quat  # noqa: E402
+from geomstats_anim.contacts import Contacts, Plants, find_contacts, skating  # noqa: E402
+from geomstats_anim.criteria import rotation_errors  # noqa: E402
 from geomstats_anim.interpolation.learned_scheme import Learned  # noqa: E402
+from geomstats_anim.kinematics import place  # noqa: E402
 from geomstats_anim.learning.library.context import contexts_of  # noqa: E402
 from geomstats_anim.learning.library.features import features_of  # noqa: E402
 from geomstats_anim.learning.library.motion_library import MotionLibrary  # noqa: E402
 from geomstats_anim.learning.library.regression import Regression, weights_of  # noqa: E402
 from geomstats_anim.learning.library.samples import Samples, samples_of  # noqa: E402
+from usd_tools.upsampling.contacts import REACH  # noqa: E402
 
 GAP = 10
 Clips = list[Animation]
@@ -39,12 +59,18 @@ def splits() -> tuple[tuple[Clips, Clips], tuple[Clips, Clips]]:
     """Return library and held-out clips, for known actions and for an unseen one."""
     clips = read("bandai")
     moving = {name: clip for name, clip in clips.items() if name.split("_")[0] not in ("bow", "guide")}
-    known = [name for name in moving if name.split("_")[1] in STYLES]
+    known = known_names(clips)
     walks = [name for name in clips if name.split("_")[0] in ACTIONS["walks"]]
     return (
         ([moving[name] for name in moving if name not in known], [clips[name] for name in known[::3]]),
         ([clips[name] for name in clips if name not in walks], [clips[name] for name in walks[::3]]),
     )
+
+
+def known_names(names: Iterable[str]) -> list[str]:
+    """Take the names of walks, runs and dashes of held-out styles."""
+    split = {name: name.split("_") for name in names}
+    return [name for name, words in split.items() if words[0] not in ("bow", "guide") and words[1] in STYLES]
 
 
 def left(true: np.ndarray, predicted: np.ndarray) -> float:
@@ -101,6 +127,42 @@ def hips(library: MotionLibrary, rest: Clips, held: Clips) -> float:
     return left(goal, model.centres.kernels(others)[0] @ weights)
 
 
+def planting(library: MotionLibrary, names: Iterable[str]) -> Iterator[Line]:
+    """Score the spline and a library, each as it is and with points kept planted, as keys or as the clips tell."""
+    clips = [clip_of(DATA / "bandai" / f"{name}.usdc") for name in names]
+    for rate in RATES:
+        rows: dict[str, list[tuple[float, float, float]]] = {}
+        for clip, up in clips:
+            keys, contacts = keys_of(clip, rate), find_contacts(clip, up)
+            of_keys = Plants.of(find_contacts(keys, up), keys).through_keys(keys)
+            of_clip = Plants.of(contacts, clip).through_keys(keys)
+            for word, curve in (("spline", Learned(keys)), ("learned", Learned(keys, None, library))):
+                for suffix, rebuilt in (
+                    ("", curve(clip.times)),
+                    (", contacts of the keys", kept(clip, curve, of_keys, 0.01 * REACH)[0]),
+                    (", contacts of the clip", kept(clip, curve, of_clip, np.inf)[0]),
+                ):
+                    rows.setdefault(word + suffix, []).append(planted_errors(rebuilt, clip, contacts))
+        base = np.array(rows["spline"])[:, :2]
+        for words, found in rows.items():
+            skate = np.nanmean(np.array(found)[:, 2])
+            ratio = pair((np.array(found)[:, :2] / base).mean(axis=0))
+            yield Line(
+                f"known actions, rate {rate:g}, {words}: to the spline; cm/s of skate", "", f"{ratio}; {skate:.1f}"
+            )
+
+
+def planted_errors(rebuilt: Animation, original: Animation, contacts: Contacts) -> tuple[float, float, float]:
+    """Return the mean angle, the mean distance of bone ends, and the skate of what is planted in the original."""
+    ends = [place(each.skeleton, each.rotations, each.translations).ends for each in (rebuilt, original)]
+    found = skating([rebuilt], [original], [contacts])
+    return (
+        float(rotation_errors(rebuilt, original).mean()),
+        float(np.linalg.norm(ends[0] - ends[1], axis=-1).mean()),
+        float("nan") if found is None else found.skate,
+    )
+
+
 def measure(quick: bool) -> Iterator[Line]:
     """Measure everything."""
     known, unseen = splits()
@@ -114,6 +176,7 @@ def measure(quick: bool) -> Iterator[Line]:
             f"{words}: path of the hips left by the kernels of the torso", "", f"{hips(library, rest, held):.3f}"
         )
     rest, held = known
+    yield from planting(learn_library(rest, gaps=GAPS), known_names(read("bandai"))[::3])
     library = learn_library(rest, gaps=(5, 6, 8, 10, 12, 16, 20, 24, 32, 40))
     _, said = ratios(learned_errors(library, held, 0.05), best_free(free_errors(held, 0.05)))
     yield Line("known actions, a key every 20 frames, checked at 40: to the best scheme", "", said)

@@ -12,9 +12,9 @@ UPRIGHT = quat.exp(np.array([0.5 * np.pi, 0.0, 0.0]))
 RATE = 60.0
 
 
-def write_walk(path, step=8, up="Y", metres=1.0, seconds=2.4):
+def write_walk(path, step=8, up="Y", metres=1.0, seconds=2.4, stride=0.7):
     """Write every so many frames of a walk; its time codes are those of 60 per second."""
-    animation, _ = walk(seconds)
+    animation, _ = walk(seconds, stride=stride)
     rotations, translations = np.array(animation.rotations), animation.translations / metres
     rest = animation.skeleton
     if up == "Z":

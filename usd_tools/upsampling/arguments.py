@@ -45,7 +45,8 @@ def add_contacts(parse: argparse.ArgumentParser) -> None:
         "--contacts",
         action="store_true",
         help="keep what is planted on the ground in two samples, such as feet, in place between them: the joints above "
-        "turn as little as their metric allows, and what moves the whole body comes last",
+        "turn as little as their metric allows, and what moves the whole body comes last; with any --scheme, "
+        "and on top of a --library",
     )
     parse.add_argument(
         "--contact-reach",

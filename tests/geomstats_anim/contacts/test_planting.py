@@ -1,18 +1,34 @@
 """Laws of keeping points in place."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 from walker import FEET, walk
 
-from geomstats_anim import SCHEMES, MetricParameters, quality, uniform_keyframes
+from geomstats_anim import SCHEMES, MetricParameters, learn_library, quality, uniform_keyframes
 from geomstats_anim import rotations as quat
 from geomstats_anim.contacts import Plants, find_contacts, plant, skating
+from geomstats_anim.interpolation.learned_scheme import Learned
 from geomstats_anim.markers import joint_matrices
 
 UP = np.array([0.0, 1.0, 0.0])
 EASE = 0.3
+
+
+@cache
+def library():
+    """Learn from walks of other strides, for the gaps of these keys and twice as long ones."""
+    return learn_library([walk(2.0, stride=stride)[0] for stride in (0.6, 0.8)], gaps=(3, 5, 7, 10))
+
+
+def curve_of(keys, scheme):
+    if scheme != "learned":
+        return SCHEMES[scheme](keys)
+    curve = Learned(keys, None, library())
+    assert max(part.share for part in curve.help.parts) > 0.5
+    return curve
 
 
 def case(rate=0.1, dense_contacts=True, scheme="geodesic-spline", extra=()):
@@ -22,7 +38,7 @@ def case(rate=0.1, dense_contacts=True, scheme="geodesic-spline", extra=()):
     source = original if dense_contacts else keys
     plants = Plants.of(find_contacts(source, UP), source).through_keys(keys)
     times = np.unique(np.concatenate([original.times, plants.probes(), extra]))
-    return original, keys, plants, SCHEMES[scheme](keys)(times)
+    return original, keys, plants, curve_of(keys, scheme)(times)
 
 
 def at(animation, times):
@@ -34,7 +50,7 @@ def identity(animation):
 
 
 @pytest.mark.parametrize("dense_contacts", [True, False])
-@pytest.mark.parametrize("scheme", ["slerp", "geodesic-spline"])
+@pytest.mark.parametrize("scheme", ["slerp", "geodesic-spline", "learned"])
 def test_planted_points_are_in_their_places(dense_contacts, scheme):
     original, keys, plants, dense = case(0.15, dense_contacts, scheme)
     planted = plant(dense, keys, plants, identity(dense))
@@ -59,9 +75,24 @@ def test_skate_falls_to_a_tenth_and_quality_does_not():
     assert quality(planted, original) < quality(plain, original)
 
 
+def test_a_library_and_contacts_add_up():
+    errors = {}
+    for scheme in ("geodesic-spline", "learned"):
+        original, keys, plants, dense = case(scheme=scheme)
+        planted = plant(dense, keys, plants, identity(dense)).animation
+        contacts = find_contacts(original, UP)
+        for word, motion in (("free", dense), ("planted", planted)):
+            there = at(motion, original.times)
+            errors[scheme, word] = quality(there, original), skating([there], [original], [contacts]).skate
+    both = errors["learned", "planted"]
+    assert both[0] < min(errors["learned", "free"][0], errors["geodesic-spline", "planted"][0])
+    assert both[1] < 0.2 * errors["learned", "free"][1]
+
+
+@pytest.mark.parametrize("scheme", ["geodesic-spline", "learned"])
 @pytest.mark.parametrize("dense_contacts", [True, False])
-def test_keys_and_frames_without_contact_stay_bit_for_bit(dense_contacts):
-    _, keys, plants, dense = case(0.15, dense_contacts)
+def test_keys_and_frames_without_contact_stay_bit_for_bit(dense_contacts, scheme):
+    _, keys, plants, dense = case(0.15, dense_contacts, scheme)
     after = plant(dense, keys, plants, identity(dense)).animation
     is_key = np.isin(dense.times, keys.times)
     far = np.ones(len(dense.times), dtype=bool)
@@ -87,14 +118,15 @@ def test_frames_that_are_wanted_are_those_of_all(reach):
         np.testing.assert_array_equal(getattr(some.animation, name), getattr(every.animation, name)[wanted])
 
 
+@pytest.mark.parametrize("scheme", ["geodesic-spline", "learned"])
 @pytest.mark.parametrize("dense_contacts", [True, False])
-def test_velocities_stay_continuous(dense_contacts):
-    _, keys, plants, _ = case(0.15, dense_contacts)
+def test_velocities_stay_continuous(dense_contacts, scheme):
+    _, keys, plants, _ = case(0.15, dense_contacts, scheme)
     edges = np.unique([plants.starts, plants.ends])
     edges = edges[(edges > 0.01) & (edges < keys.times[-1] - 0.01)]
     step = 1e-4
     around = (edges[:, None] + step * np.arange(-2, 3)).ravel()
-    _, keys, plants, dense = case(0.15, dense_contacts, extra=around)
+    _, keys, plants, dense = case(0.15, dense_contacts, scheme, extra=around)
     after = plant(dense, keys, plants, identity(dense)).animation
     for joint in (1, 2, 3):
         index = np.searchsorted(after.times, around - 1e-9).reshape(-1, 5)

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from pxr import Gf, Usd, UsdGeom
+from pxr import Gf, Sdf, Usd, UsdGeom
 from rigs import bits, read
 from walk_files import write_walk
 from walker import FEET, JOINTS, walk
@@ -60,6 +60,43 @@ def test_what_was_kept_is_said(folder):
     assert contacts["left"] == 0
     assert 0.1 < contacts["largest_cm"] < 10.0
     assert 0.1 < contacts["largest_degrees"] < 30.0
+
+
+@pytest.fixture
+def library(tmp_path, run):
+    """Learn from walks of other strides."""
+    paths = [tmp_path / f"walk_{stride}.usda" for stride in (0.6, 0.8)]
+    for path in paths:
+        write_walk(path, step=1, seconds=1.2, stride=float(path.stem.split("_")[1]))
+    out = tmp_path / "rig.inbetween"
+    assert run("learn", *paths, "--purpose", "predict", "--library", "-o", out)[0] == 0
+    return out
+
+
+def test_feet_stay_planted_on_the_curve_of_a_library(folder, library, run):
+    tmp_path, original, _ = folder
+    arguments = ("upsample", tmp_path / "in.usda", "--factor", 6, "--library", library)
+    assert run(*arguments, "-o", tmp_path / "learned.usda")[0] == 0
+    report = ("--report", tmp_path / "both.json")
+    code, out, err = run(*arguments, "-o", tmp_path / "both.usda", "--contacts", *report)
+    assert (code, err) == (0, "")
+    words = " ".join(out.split())
+    assert "the library rig.inbetween helps" in words
+    assert "contacts: foot_l, toe_l, foot_r, toe_r stay planted" in words
+    (animation,) = json.loads((tmp_path / "both.json").read_text())["animations"]
+    assert animation["scheme"] == "learned"
+    assert max(each["share"] for each in animation["library"]["shares"]) > 0.5
+    assert animation["contacts"]["kept"] >= 8
+    layer = Sdf.Layer.FindOrOpen(str(tmp_path / "both.usda"))
+    said = layer.customLayerData["geomstats_anim"]["settings"]
+    assert (said["contacts"], said["library"]) == (True, "rig.inbetween")
+    assert skate(tmp_path / "both.usda", original) < 0.6 * skate(tmp_path / "learned.usda", original)
+    codes, values = read(tmp_path / "in.usda", "rotations", str(ANIMATION))
+    (new_codes, both), (_, learned), (_, feet) = (
+        read(tmp_path / f"{name}.usda", "rotations", str(ANIMATION)) for name in ("both", "learned", "feet")
+    )
+    assert bits([both[new_codes.index(code)] for code in codes]) == bits(values)
+    assert bits(both) != bits(learned) and bits(both) != bits(feet)
 
 
 def test_units_and_axes_change_nothing(tmp_path, run, folder):
