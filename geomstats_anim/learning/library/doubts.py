@@ -2,8 +2,8 @@
 
 They are learned by leaving actions out. Each cluster of clips is predicted by regressions without it, at one length of
 segments and at twice that length. Of the clips that a share helps at twice the length, most do not lose more than the
-doubt at the length itself. Where errors at twice the length are much the larger, they say less of those at the length,
-and more is doubted.
+doubt at the length itself. Doubts are in units of the standard deviation of the gain from segment to segment: a gain
+that is steady says more of other segments than one that varies.
 """
 
 from __future__ import annotations
@@ -26,14 +26,11 @@ _MOST_POSES = 1200
 _QUANTILE = 0.7
 """So many of the clips lose no more than the doubt."""
 
-_PER_DOUBLING = 0.1
-"""Doubt of a full share where errors at twice the length are four times as large; twice as much at eight times."""
-
-_PRIOR, _PRIOR_CLIPS = 0.1, 3
-"""Doubt of a full share without evidence, and how many clips it counts for."""
+_PRIOR, _PRIOR_CLIPS = 0.8, 3
+"""Doubt without evidence, and how many clips it counts for."""
 
 _LEAST = 1e-9
-"""Errors, radians or metres, that are none."""
+"""Deviations that are none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,16 +42,21 @@ class LeftOut:
     ratios : array-like, shape=[clips, parts, shares, 2]
         With each share of the prediction, to those of the spline: of angles, and of distances of bone ends. Not a
         number for clips without segments.
-    splines : array-like, shape=[parts, 2]
-        Errors of the spline, radians and metres.
+    deviations : array-like, shape=[clips, parts, shares, 2]
+        Of the ratios from segment to segment.
     """
 
     ratios: Array
-    splines: Array
+    deviations: Array
 
 
 def errors_left_out(
-    samples: Samples, predicted: Array, skeleton: Skeleton, parts: BodyParts, rng: np.random.Generator
+    samples: Samples,
+    predicted: Array,
+    clip: np.ndarray,
+    skeleton: Skeleton,
+    parts: BodyParts,
+    rng: np.random.Generator,
 ) -> LeftOut:
     """Return the errors on actions that are left out.
 
@@ -63,6 +65,8 @@ def errors_left_out(
     samples : Samples
     predicted : array-like, shape=[n, N, B, 3]
         Weights of sines, of models without the action of the clip.
+    clip : array-like of int, shape=[n]
+        Clip of each segment; that of its mirror image is the same.
     skeleton : Skeleton
     parts : BodyParts
     rng : Generator
@@ -76,18 +80,19 @@ def errors_left_out(
     middle = basis(np.array([0.5]), samples.sines.shape[1])[0, :-2]
     missed: Array = np.asarray(np.tensordot(middle, samples.sines[chosen], (0, 1)), dtype=np.float64)
     found: Array = np.asarray(np.tensordot(middle, predicted[chosen], (0, 1)), dtype=np.float64)
-    middles, clips = samples.middles[chosen], samples.clip[chosen]
+    middles, clips = samples.middles[chosen], clip[chosen]
     hidden = HiddenPoses(skeleton, parts, middles, found, quat.multiply(middles, quat.exp(missed)))
     ends = np.stack([hidden.torso_ends(np.zeros(len(parts.joints) - 1, dtype=np.intp)), *hidden.limb_ends])
     errors = np.stack([hidden.angles, ends], axis=1)
-    ratios = np.full((samples.clip.max() + 1, len(parts.joints), len(SHARES), 2), np.nan)
-    for clip in np.unique(clips):
-        ratios[clip] = ratios_to_spline(errors[..., clips == clip]).mean(axis=-1).transpose(0, 2, 1)
-    return LeftOut(ratios, errors[:, :, 0].mean(axis=-1))
+    ratios, deviations = np.full((2, clip.max() + 1, len(parts.joints), len(SHARES), 2), np.nan)
+    for each in np.unique(clips):
+        found = ratios_to_spline(errors[..., clips == each]).transpose(0, 2, 1, 3)
+        ratios[each], deviations[each] = found.mean(axis=-1), (found - found[:, :1]).std(axis=-1)
+    return LeftOut(ratios, deviations)
 
 
 def doubts_of(at_gap: LeftOut, at_double: LeftOut | None) -> Array:
-    """Return what has to be added to ratios of errors that the self-check finds.
+    """Return how many standard deviations have to be added to ratios of errors that the self-check finds.
 
     Parameters
     ----------
@@ -99,13 +104,12 @@ def doubts_of(at_gap: LeftOut, at_double: LeftOut | None) -> Array:
     doubts : array-like, shape=[parts, shares, 2]
         At least 0.
     """
-    prior = np.broadcast_to(_PRIOR * SHARES[:, None], at_gap.ratios.shape[1:])
+    prior = np.broadcast_to(_PRIOR, at_gap.ratios.shape[1:])
     if at_double is None:
         return prior.copy()
     n = min(len(at_gap.ratios), len(at_double.ratios))
-    lost = at_gap.ratios[:n] - at_double.ratios[:n]
-    lost[~(at_double.ratios[:n].mean(axis=-1) < 1.0)] = np.nan
+    lost, deviations = at_gap.ratios[:n] - at_double.ratios[:n], at_double.deviations[:n]
+    helps = (at_double.ratios[:n].mean(axis=-1, keepdims=True) < 1.0) & (deviations > _LEAST)
+    lost = np.where(helps, lost / np.maximum(deviations, _LEAST), np.nan)
     known = np.concatenate([lost, np.broadcast_to(prior, (_PRIOR_CLIPS, *prior.shape))])
-    doublings = np.log2(np.maximum(at_double.splines, _LEAST) / np.maximum(at_gap.splines, _LEAST))
-    of_size = _PER_DOUBLING * np.maximum(doublings - 1.0, 0.0)[:, None] * SHARES[:, None]
-    return np.round(np.maximum(np.nanquantile(known, _QUANTILE, axis=0), 0.0) + of_size, 4)
+    return np.round(np.maximum(np.nanquantile(known, _QUANTILE, axis=0), 0.0), 4)

@@ -13,7 +13,7 @@ from geomstats_anim.animation import Animation
 from geomstats_anim.learning.library.actions import cluster_clips
 from geomstats_anim.learning.library.doubts import LeftOut, doubts_of, errors_left_out
 from geomstats_anim.learning.library.gap_model import GapModel, fit_gap, nearest_models
-from geomstats_anim.learning.library.mirror import Mirror, mirror_of
+from geomstats_anim.learning.library.mirror import Mirror, mirror_of, usual_pose
 from geomstats_anim.learning.library.motion_library import MotionLibrary
 from geomstats_anim.learning.library.one_thread import one_thread
 from geomstats_anim.learning.library.parts import BodyParts, body_parts
@@ -79,23 +79,25 @@ def learn_library(
     skeleton, up = clips[0].skeleton, np.array(vertical, dtype=np.float64)
     if any(clip.skeleton.joints != skeleton.joints for clip in clips):
         raise ValueError("A library is of one rig, but the joints of the clips differ.")
-    parts, mirror = body_parts(skeleton), mirror_of(skeleton, up)
+    parts = body_parts(skeleton)
     with one_thread():
-        actions = _actions(clips, parts, up)
+        usual = usual_pose(np.concatenate([clip.rotations for clip in clips]))
+        mirror, actions, n_recorded = mirror_of(skeleton, up, usual), _actions(clips, parts, up), len(clips)
         if mirror is not None:
             clips, actions = [*clips, *map(mirror.animation, clips)], np.tile(actions, 2)
-        task = _GapTask(clips, parts, up, actions, seed)
+        task = _GapTask(clips, n_recorded, parts, up, actions, seed)
         fits = [fit for fit in _spread(task, gaps, progress, address, cpus) if fit is not None]
     if not fits:
         raise ValueError("The clips are too short to learn from: none has two gaps of two frames.")
-    return MotionLibrary(skeleton, up, _with_doubts(fits, parts, mirror), dict(provenance or {}))
+    return MotionLibrary(skeleton, up, usual, _with_doubts(fits, parts, mirror), dict(provenance or {}))
 
 
 @dataclass(frozen=True, eq=False)
 class _GapTask:
-    """Data that the models of all lengths are fitted to."""
+    """Data that the models of all lengths are fitted to: recorded clips, then perhaps the mirror images of each."""
 
     clips: Sequence[Animation]
+    n_recorded: int
     parts: BodyParts
     vertical: Array
     actions: np.ndarray
@@ -110,7 +112,8 @@ class _GapTask:
         samples = samples.at(np.sort(rng.permutation(len(samples.clip))[:MOST_SAMPLES]))
         with one_thread():
             model, left_out = fit_gap(gap, samples, self.parts, self.actions, rng)
-            return model, errors_left_out(samples, left_out, self.clips[0].skeleton, self.parts, rng)
+            clip = samples.clip % self.n_recorded
+            return model, errors_left_out(samples, left_out, clip, self.clips[0].skeleton, self.parts, rng)
 
 
 def _actions(clips: Sequence[Animation], parts: BodyParts, vertical: Array) -> np.ndarray:
@@ -150,5 +153,5 @@ def _with_doubts(
     found = []
     for (model, left_out), double in zip(fits, doubles, strict=True):
         doubts = doubts_of(left_out, fits[double][1] if double >= 0 else None)
-        found.append(replace(model, doubts=np.maximum(doubts, doubts[other])))
+        found.append(replace(model, doubts=0.5 * (doubts + doubts[other])))
     return tuple(found)

@@ -1,11 +1,13 @@
 r"""Mirror images of motion: left and right change places, where the names and the bones of the rig allow it.
 
-Let S be the reflection at the plane between both sides, A_b the orientation of joint b in the rest pose and m(b) its
-counterpart. A vector v in the frame of b becomes F_b v in that of m(b), with
+Let S be the reflection at the plane between both sides, A_b the orientation of joint b in a pose with two sides and
+m(b) its counterpart. A vector v in the frame of b becomes F_b v in that of m(b), with
 
 .. math:: F_b = A_{m(b)}^T S A_b
 
-a rotation R_b becomes F_p R_b F_b^T, where p is the parent, and a vector of rotation c becomes - F_b c.
+a rotation R_b becomes F_p R_b F_b^T, where p is the parent, and a vector of rotation c becomes - F_b c. The pose is the
+rest pose, or, where that has no two sides, the usual pose of the clips: it is only about the same on both sides, so F_b
+is rounded to the nearest that exchanges axes or turns them round, as rigs have it.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ import numpy as np
 from geomstats_anim import rotations as quat
 from geomstats_anim.animation import Animation, Skeleton
 from geomstats_anim.kinematics import place
+from geomstats_anim.learning.library.parts import body_parts
 from geomstats_anim.rotations import Array
 
 _SIDES = (("left", "right"), ("Left", "Right"), ("LEFT", "RIGHT"), ("l", "r"), ("L", "R"))
@@ -25,6 +28,9 @@ _SIDES = (("left", "right"), ("Left", "Right"), ("LEFT", "RIGHT"), ("l", "r"), (
 
 _TOLERANCE = 0.05
 """Largest difference of both sides of a rest pose, as a share of its size."""
+
+_AXES = 0.4
+"""Largest difference of an entry of F from the nearest whole number."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,43 +68,106 @@ class Mirror:
         return Animation(animation.skeleton, animation.times, turned, moved, scales)
 
 
-def mirror_of(skeleton: Skeleton, vertical: Array) -> Mirror | None:
-    """Find how a rig is mirrored, from the names of its joints.
+def mirror_of(skeleton: Skeleton, vertical: Array, usual: Array | None = None) -> Mirror | None:
+    """Find how a rig is mirrored, from the names of its joints and a pose with two sides.
 
     Parameters
     ----------
     skeleton : Skeleton
     vertical : array-like, shape=[3]
         Unit vector upwards; the plane between both sides is upright.
+    usual : array-like, shape=[B, 4]
+        Rotations of a pose that is about the same on both sides (`usual_pose`), used where the rest pose is not.
+        Optional, default: None, only the rest pose.
 
     Returns
     -------
     mirror : Mirror or None
-        None if names have no counterparts, or both sides of the rest pose differ.
+        None if names have no counterparts, or both sides of the poses differ.
     """
     counterpart = _counterparts(skeleton)
     if counterpart is None:
         return None
+    found = _mirror_at_rest(skeleton, vertical, counterpart)
+    return found if found is not None or usual is None else _mirror_in_use(skeleton, vertical, counterpart, usual)
+
+
+def usual_pose(rotations: Array) -> Array:
+    """Return the mean rotations of joints, shape=[B, 4], over the frames of clips, shape=[F, B, 4].
+
+    The means are chordal (Markley et al., "Averaging quaternions", JGCD 2007, eq. 12).
+    """
+    _, vectors = np.linalg.eigh(np.einsum("fbi,fbj->bij", rotations, rotations))
+    return np.ascontiguousarray(vectors[..., -1])
+
+
+def _mirror_at_rest(skeleton: Skeleton, vertical: Array, counterpart: np.ndarray) -> Mirror | None:
     rest = place(skeleton, skeleton.rest_rotations[None], skeleton.rest_translations[None])
-    origins, orientations = rest.origins[0], _orientations(skeleton)
-    across = (origins[counterpart] - origins)[counterpart > np.arange(skeleton.n_joints)].sum(axis=0)
+    origins, orientations = rest.origins[0], _orientations(skeleton, skeleton.rest_rotations)
+    across = _across(origins, counterpart)
     across -= across.dot(vertical) * vertical
     size = np.ptp(origins, axis=0).max()
     if np.linalg.norm(across) <= _TOLERANCE * size:
         return None
-    across /= np.linalg.norm(across)
-    reflection = np.eye(3) - 2.0 * np.outer(across, across)
+    reflection = _reflection(across)
     offset = (origins[counterpart] - origins @ reflection).mean(axis=0)
     if np.abs(origins[counterpart] - origins @ reflection - offset).max() > _TOLERANCE * size:
         return None
     frames = orientations[counterpart].swapaxes(-1, -2) @ reflection @ orientations
-    parents = np.where((skeleton.parents >= 0)[:, None, None], frames[skeleton.parents], reflection)
-    return Mirror(counterpart, frames, parents)
+    return _with_parents(skeleton, counterpart, frames, reflection)
 
 
-def _orientations(skeleton: Skeleton) -> Array:
-    """Return the orientations of joints in the rest pose, shape=[B, 3, 3]."""
-    found = quat.to_matrix(skeleton.rest_rotations).copy()
+def _mirror_in_use(skeleton: Skeleton, vertical: Array, counterpart: np.ndarray, usual: Array) -> Mirror | None:
+    """Find F from a pose that is about the same on both sides.
+
+    How far joints above the last of the trunk turn, which may be the heading, says nothing of the sides: only the
+    vertical keeps its place.
+    """
+    trunk = body_parts(skeleton).trunk
+    in_trunk = usual.copy()
+    in_trunk[trunk] = quat.IDENTITY
+    origins = place(skeleton, in_trunk[None], skeleton.rest_translations[None]).origins[0]
+    across = _across(origins, counterpart)
+    size = np.ptp(origins, axis=0).max()
+    if np.linalg.norm(across) <= _TOLERANCE * size:
+        return None
+    orientations = _orientations(skeleton, in_trunk)
+    exact = orientations[counterpart].swapaxes(-1, -2) @ _reflection(across) @ orientations
+    frames = np.round(exact)
+    bones = np.setdiff1d(np.flatnonzero(skeleton.parents >= 0), trunk)
+    offsets = skeleton.rest_translations
+    mirrored = np.einsum("bij,bj->bi", frames[skeleton.parents[bones]], offsets[bones])
+    if (
+        np.abs(frames @ frames.swapaxes(-1, -2) - np.eye(3)).max() > 0.0
+        or np.abs(exact - frames).max() > _AXES
+        or np.abs(mirrored - offsets[counterpart[bones]]).max() > _TOLERANCE * size
+    ):
+        return None
+    upright = _reflection(np.cross(vertical, np.eye(3)[np.abs(vertical).argmin()]))
+    above = _orientations(skeleton, usual)[trunk[:-1]]
+    frames[trunk[:-1]] = above.swapaxes(-1, -2) @ upright @ above
+    return _with_parents(skeleton, counterpart, frames, upright)
+
+
+def _with_parents(skeleton: Skeleton, counterpart: np.ndarray, frames: Array, reflection: Array) -> Mirror:
+    return Mirror(
+        counterpart, frames, np.where((skeleton.parents >= 0)[:, None, None], frames[skeleton.parents], reflection)
+    )
+
+
+def _across(origins: Array, counterpart: np.ndarray) -> Array:
+    """Sum up the ways from each joint to its counterpart."""
+    return np.asarray((origins[counterpart] - origins)[counterpart > np.arange(len(origins))].sum(axis=0))
+
+
+def _reflection(normal: Array) -> Array:
+    unit = normal / np.linalg.norm(normal)
+    return np.asarray(np.eye(3) - 2.0 * np.outer(unit, unit))
+
+
+def _orientations(skeleton: Skeleton, rotations: Array) -> Array:
+    """Return the orientations of joints in a pose, shape=[B, 3, 3]."""
+    found = quat.to_matrix(rotations).copy()
     for joint, parent in enumerate(skeleton.parents.tolist()):
         if parent >= 0:
             found[joint] = found[parent] @ found[joint]

@@ -41,6 +41,8 @@ class MotionLibrary:
     skeleton : Skeleton
     vertical : array-like, shape=[3]
         Unit vector upwards in the space of the skeleton.
+    usual : array-like, shape=[B, 4]
+        Mean rotations of the joints over the clips.
     models : tuple of GapModel
         By increasing gap.
     provenance : mapping
@@ -50,13 +52,14 @@ class MotionLibrary:
 
     skeleton: Skeleton
     vertical: Array
+    usual: Array
     models: tuple[GapModel, ...]
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
     @cached_property
     def mirror(self) -> Mirror | None:
         """Return how the rig is mirrored; None if names or bones have no sides."""
-        return mirror_of(self.skeleton, self.vertical)
+        return mirror_of(self.skeleton, self.vertical, self.usual)
 
     @cached_property
     def parts(self) -> BodyParts:

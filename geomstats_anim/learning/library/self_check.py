@@ -17,9 +17,6 @@ SHARES = np.linspace(0.0, 1.0, 6)
 _CAUTION = 1.2
 """A full share has to save this part of the error, divided by the squared number of hidden keys."""
 
-_CONFIDENCE = 0.3
-"""Number of standard errors that are subtracted from what is saved."""
-
 _LEAST = 1e-9
 """Errors, radians or metres, that are none."""
 
@@ -93,14 +90,15 @@ def best_shares(hidden: HiddenPoses, doubts: Array) -> Array:
 
     What counts is the mean of two ratios to the error of the spline: of angles, and of distances of bone ends. The
     limbs come first, with the torso as the spline has it; then the torso, for the bone ends of the whole body, whose
-    doubts are those of the limbs and not counted again. Neither ratio may grow, and both are raised by doubts before.
+    doubts are those of the limbs and not counted again. Neither ratio may grow, and both are raised before, by as many
+    standard deviations from key to key as are doubted.
 
     Parameters
     ----------
     hidden : HiddenPoses
         Keys that were hidden.
     doubts : array-like, shape=[parts, shares, 2]
-        By how much the ratios are larger where a prediction is used than where it is checked.
+        By how many standard deviations the ratios are larger where a prediction is used than where it is checked.
 
     Returns
     -------
@@ -122,7 +120,6 @@ def _best(angles: Array, ends: Array, doubts: Array) -> np.ndarray:
     """Return the index of the best share of each part, from its errors with each, shape=[parts, shares, n]."""
     ratios, n = ratios_to_spline(np.stack([angles, ends])), angles.shape[-1]
     more = ratios - ratios[:, :, :1]
-    mean = more.mean(axis=-1) + doubts.transpose(2, 0, 1)
-    deviation = more.mean(axis=0).std(axis=-1)
-    cost = mean.mean(axis=0) + _CONFIDENCE * deviation / np.sqrt(n) + _CAUTION / n**2 * SHARES
-    return np.where((mean <= 0.0).all(axis=0), cost, np.inf).argmin(axis=-1)
+    doubted = more.mean(axis=-1) + doubts.transpose(2, 0, 1) * more.std(axis=-1)
+    cost = doubted.mean(axis=0) + _CAUTION / n**2 * SHARES
+    return np.where((doubted <= 0.0).all(axis=0), cost, np.inf).argmin(axis=-1)

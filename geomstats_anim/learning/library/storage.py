@@ -24,7 +24,7 @@ from geomstats_anim.learning.library.self_check import SHARES
 from geomstats_anim.rotations import Array
 from geomstats_anim.strict_json import dump_json, parse_json
 
-FORMAT, VERSION = "geomstatsAnim:inBetweens", 2
+FORMAT, VERSION = "geomstatsAnim:inBetweens", 3
 LARGEST = 1 << 27
 """Bytes of a file, and of what is in it."""
 
@@ -52,6 +52,7 @@ def dump_library(library: MotionLibrary) -> bytes:
         "restRotations": skeleton.rest_rotations.tolist(),
         "boneEnds": skeleton.bone_ends.tolist(),
         "vertical": library.vertical.tolist(),
+        "usualRotations": library.usual.tolist(),
         "models": [
             {
                 "gap": model.gap,
@@ -108,9 +109,12 @@ def load_library(data: bytes) -> MotionLibrary:
         vertical = np.array(header["vertical"], dtype=np.float64)
         if vertical.shape != (3,) or abs(np.linalg.norm(vertical) - 1.0) > 1e-6:
             raise ValueError("its vertical is no unit vector")
+        usual = np.array(header["usualRotations"], dtype=np.float64)
+        if usual.shape != (skeleton.n_joints, 4) or np.abs(np.linalg.norm(usual, axis=-1) - 1.0).max() > 1e-6:
+            raise ValueError("its usual rotations are no unit quaternions, one a joint")
         parts = body_parts(skeleton)
         models = tuple(_models(header["models"], members, parts))
-        return MotionLibrary(skeleton, vertical, models, dict(header["provenance"]))
+        return MotionLibrary(skeleton, vertical, usual, models, dict(header["provenance"]))
     except KeyError as error:
         raise ValueError(f"This library is broken: it has no {error}.") from None
     except (TypeError, ValueError, OverflowError, np.linalg.LinAlgError) as error:

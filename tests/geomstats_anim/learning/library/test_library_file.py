@@ -59,6 +59,8 @@ def test_a_model_is_less_than_a_megabyte(data):
         (lambda h: h.update(parents=[0] * 16), "broken"),
         (lambda h: h.update(vertical=[0.0, 2.0, 0.0]), "unit vector"),
         (lambda h: h.update(vertical="up"), "broken"),
+        (lambda h: h.update(usualRotations=[[1.0, 1.0, 0.0, 0.0]] * 16), "unit quaternions"),
+        (lambda h: h.update(usualRotations=[[0.0, 0.0, 0.0, 1.0]]), "unit quaternions"),
         (lambda h: h.update(models=7), "broken"),
         (lambda h: h["models"].reverse(), "models of the gaps"),
         (lambda h: h["models"][0].update(gap=7), "models of the gaps"),

@@ -17,7 +17,7 @@ def hidden(n=40):
 
 
 def shares(splines, residuals, truth, doubt=0.0):
-    doubts = np.broadcast_to(doubt * SHARES[:, None], (len(PARTS.joints), len(SHARES), 2))
+    doubts = np.full((len(PARTS.joints), len(SHARES), 2), doubt)
     return best_shares(HiddenPoses(SKELETON, PARTS, splines, residuals, truth), doubts)
 
 
@@ -64,12 +64,12 @@ def test_a_gain_that_is_doubted_needs_to_be_larger():
     splines, missed = hidden()
     truth = quat.multiply(splines, quat.exp(missed))
     assert (shares(splines, missed, truth, 0.1) == 1.0).all()
-    assert not shares(splines, missed, truth, 1.2).any()
+    assert not shares(splines, missed, truth, 9.0).any()
 
 
 def test_a_gain_that_varies_from_key_to_key_is_used_less():
     splines, missed = hidden()
     truth, rng = quat.multiply(splines, quat.exp(missed)), np.random.default_rng(1)
     steady, unsure = 0.2 * np.ones((40, 1, 1)), 0.2 + 2.0 * rng.permutation(np.repeat([-1.0, 1.0], 20))[:, None, None]
-    assert (shares(splines, steady * missed, truth) == 1.0).all()
-    assert (shares(splines, unsure * missed, truth) < 0.5).all()
+    assert (shares(splines, steady * missed, truth, 0.4) == 1.0).all()
+    assert (shares(splines, unsure * missed, truth, 0.4) < 0.5).all()
