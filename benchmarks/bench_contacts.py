@@ -40,7 +40,7 @@ TIMES = 25
 
 
 class Result(NamedTuple):
-    """What became of one clip: skates in centimetres per second, shares of a quality and of a time."""
+    """Results of one clip: skates in centimetres per second, shares of a quality and of a time."""
 
     original: float
     slerp: float

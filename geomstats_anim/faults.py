@@ -46,10 +46,10 @@ SHARE_OF_CHAIN = 0.5
 strikes moves with its arm."""
 
 ACROSS = 1.3
-"""What a joint moves across a spike is at most this times the steps out and back."""
+"""A joint's move across a spike is at most this times the steps out and back."""
 
 FLIP = np.radians(45.0)
-"""What departs this far is not taken for unevenness around another spike, unless a third of the samples do."""
+"""Samples that depart this far are not taken for unevenness around another spike, unless a third of the samples do."""
 
 LEAST_REPEATS = 2
 """Times that a drop-out repeats the sample before it, at least."""

@@ -125,7 +125,7 @@ def pack(
 
 
 class _Task(NamedTuple):
-    """What is to be packed, and how."""
+    """Motion to be packed, and the choices for it."""
 
     animation: Animation
     tolerance: float

@@ -77,7 +77,7 @@ class ContactParameters:
 
 @dataclass(frozen=True, eq=False)
 class Contacts:
-    """Which points are planted, and when.
+    """Planted points, and the times of their stances.
 
     Parameters
     ----------

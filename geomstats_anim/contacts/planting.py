@@ -217,7 +217,7 @@ def plant(
 
 @dataclass(frozen=True, eq=False)
 class _Pulls:
-    """Which way points have to move, and how much that counts.
+    """Ways that points have to move, and their weights.
 
     Parameters
     ----------

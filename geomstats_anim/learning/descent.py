@@ -19,10 +19,10 @@ BOUND = np.log(10.0)
 
 ROUGHLY = {"maxiter": 60, "ftol": 1e-5}
 EXACTLY = {"maxiter": 100, "ftol": 2e-6}
-"""When L-BFGS-B stops: starts are followed roughly, the best exactly; ftol is in shares of the start's value."""
+"""Tolerances of L-BFGS-B: starts are followed roughly, the best exactly; ftol is in shares of the start's value."""
 
 _REFINED = 1e-6
-"""When a single joint's descent stops, in shares of its error at the start."""
+"""Tolerance of a single joint's descent, in shares of its error at the start."""
 
 _NEGLIGIBLE = 1e-3
 """Share of the largest rotation error that a joint's is not followed below; with the square of it, it does not turn."""

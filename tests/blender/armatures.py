@@ -1,4 +1,4 @@
-"""What the scripts of this folder share; they run in Blender's Python, which has none of the project's packages."""
+"""Functions that the scripts of this folder share; they run in Blender's Python, without the project's packages."""
 
 import bpy
 import numpy as np
@@ -27,7 +27,7 @@ def key_frames(armature):
 
 
 def shown(armature, frames):
-    """What the curves come to at frames: rotation matrices (F, B, 3, 3) and locations (F, B, 3), as seen from rest."""
+    """Return the pose at frames: rotation matrices (F, B, 3, 3) and locations (F, B, 3), as seen from rest."""
     bones = armature.data.bones
     quaternions, locations = np.zeros((len(frames), len(bones), 4)), np.zeros((len(frames), len(bones), 3))
     quaternions[..., 0] = 1.0

@@ -1,4 +1,4 @@
-"""What scripts that run the extension share: it is installed from its zip by Blender's own command."""
+"""Functions that scripts that run the extension share: it is installed from its zip by Blender's own command."""
 
 import math
 import subprocess

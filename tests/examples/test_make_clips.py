@@ -37,7 +37,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def clips(folder):
-    """What USD makes of the clips: the samples, and the joints in the world."""
+    """Return what USD makes of the clips: the samples, and the joints in the world."""
 
     def read(name):
         stage = Usd.Stage.Open(str(folder / f"{name}.usda"))

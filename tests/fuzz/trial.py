@@ -124,7 +124,7 @@ def warm_up(folder: Path) -> None:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a trial: "accepted", "refused" with a sentence, or "failed" with what is wrong."""
+    """Result of a trial: "accepted", "refused" with a sentence, or "failed" with what is wrong."""
 
     result: str
     words: str = ""

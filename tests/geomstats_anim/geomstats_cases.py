@@ -112,7 +112,7 @@ ESTIMATORS = {
     "ExactPGA": lambda p, _: ExactPGA(p.space),
     "AAC": lambda p, _: AAC(p.space, estimate="frechet_mean").fit(p.points),
 }
-"""What a row of the table does; it takes a problem, and the class where it is one of `HERE`."""
+"""Action of a row of the table; it takes a problem, and the class where it is one of `HERE`."""
 
 
 MODELS = {
@@ -154,7 +154,7 @@ CALLS = {
     "radius_neighbors": lambda model, x: model.radius_neighbors(x)[0],
     "radius_neighbors_graph": lambda model, x: model.radius_neighbors_graph(x).toarray(),
 }
-"""What a method is called with, after the fit."""
+"""Return what a method is called with, after the fit."""
 
 
 def estimator_method(name, method):
@@ -185,7 +185,7 @@ SPACE_METHODS = {
     "lie_bracket": lambda p: p.space.lie_bracket(p.tangent_vecs[0], p.tangent_vecs[1], p.base),
     "tangent_translation_map": lambda p: p.space.tangent_translation_map(p.base, inverse=True)(p.tangent_vecs),
 }
-"""What a row of the table of the group does with a problem."""
+"""Action of a row of the table of the group with a problem."""
 
 
 def _at(name, *vectors):
@@ -232,4 +232,4 @@ METHODS = {
     "covariant_riemann_tensor": _at("covariant_riemann_tensor"),
     "inner_product_derivative_matrix": _at("inner_product_derivative_matrix"),
 }
-"""What a row of the table does with a problem."""
+"""Action of a row of the table with a problem."""

@@ -13,7 +13,7 @@ FOLDER = Path(__file__).resolve().parents[2] / "integrations" / "maya"
 
 
 class Maya:
-    """What the script sees of Maya: a selection, an answer, and where it may write; it remembers what was called."""
+    """The part of Maya that the script sees: a selection, an answer, and where it may write; it remembers calls."""
 
     def __init__(self):
         self.prims, self.answer, self.warnings, self.messages, self.undo = {}, "2", [], [], []

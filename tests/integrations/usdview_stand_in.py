@@ -20,7 +20,7 @@ class PluginContainer:
 
 
 class UsdviewApi:
-    """What commands are called with: the stage, the selection, the status line."""
+    """Arguments that commands are called with: the stage, the selection, the status line."""
 
     def __init__(self, stage, *selected):
         self.stage, self.selectedPrims, self.status, self.qMainWindow = stage, list(selected), [], None

@@ -11,7 +11,7 @@ import pytest
 
 TESTS = Path(__file__).resolve().parents[1]
 PYTHONS = [os.environ.get("BLENDER_PYTHON"), TESTS.parent / ".venv-blender" / "bin" / "python", sys.executable]
-"""Where bpy may be: it wants an older NumPy than the project has, so that a second environment is best."""
+"""Pythons that may have bpy: it wants an older NumPy than the project has, so that a second environment is best."""
 
 
 @cache

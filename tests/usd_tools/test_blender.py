@@ -54,7 +54,7 @@ def test_bvh_with_positions_everywhere(tmp_path):
 
 
 def in_blender(tmp_path, path):
-    """What Blender shows of a USD file at its samples, and what the file says."""
+    """Return what Blender shows of a USD file at its samples, and what the file says."""
     stage = Usd.Stage.Open(str(path))
     (source,) = find_animations(stage)
     clip = read_clip(source)
@@ -79,7 +79,7 @@ def check_metric_shown(shown, skeleton):
 
 
 def turned_since_first(rotations, parents):
-    """How each joint has turned in the world since the first frame, whatever its own axes are, (F, B, 3, 3)."""
+    """Return how each joint has turned in the world since the first frame, whatever its own axes are, (F, B, 3, 3)."""
     world = rotations.copy()
     for joint, parent in enumerate(parents):
         if parent >= 0:

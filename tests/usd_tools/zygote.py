@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 @dataclass(frozen=True)
 class Ended:
-    """How a call ended: an exit code, or minus the signal that killed it."""
+    """The end of a call: an exit code, or minus the signal that killed it."""
 
     code: int
     err: str

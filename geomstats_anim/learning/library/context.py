@@ -1,4 +1,4 @@
-r"""What surrounds a segment between keys: the increments of rotation around it, and the pose in it.
+r"""Surroundings of a segment between keys: the increments of rotation around it, and the pose in it.
 
 The increments of a joint, in its own frame, are
 

@@ -33,7 +33,7 @@ from geomstats_anim.names import TRIALS
 MODE = "min"
 
 _followers: dict[Path, Callable[[int, float], None]] = {}
-"""Who is told of the progress of the journals; Tune pickles its callbacks, and a resumed run has a new follower."""
+"""Listeners to the progress of the journals; Tune pickles its callbacks, and a resumed run has a new follower."""
 
 _interrupted = threading.Event()
 """Set by Ctrl+C."""

@@ -148,7 +148,7 @@ def test_tolerance_holds_in_the_largest_skeleton(tmp_path, run, scale):
 
 
 def _end_of_arm(path, length):
-    """Where the end of the giant's last bone is, in centimetres, as OpenUSD places it."""
+    """Return where the end of the giant's last bone is, in centimetres, as OpenUSD places it."""
     stage = Usd.Stage.Open(str(path))
     giant = stage.GetPrimAtPath("/Rig/Giant")
     cache = UsdSkel.Cache()

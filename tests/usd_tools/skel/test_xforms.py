@@ -57,7 +57,7 @@ def check_keys(stage, source, name, prim="/Rig"):
 
 
 def expected_turns(rotations, scheme):
-    """What the scheme makes of the turns of one joint."""
+    """Return what the scheme makes of the turns of one joint."""
     one = Skeleton(["xform"], [-1], np.zeros((1, 3)), [[0.0, 0.0, 0.0, 1.0]])
     keys = Animation(one, CODES / 24.0, rotations.as_quat()[:, None], np.zeros((COUNT, 1, 3)))
     return Rotation.from_quat(interpolate(keys, DENSE / 24.0, scheme).rotations[:, 0])

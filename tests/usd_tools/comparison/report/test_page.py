@@ -25,7 +25,7 @@ def folder(tmp_path_factory):
 
 
 class Page(HTMLParser):
-    """What a page loads, the text of its tables, and its scripts."""
+    """Return what a page loads, the text of its tables, and its scripts."""
 
     def __init__(self, text):
         super().__init__()
