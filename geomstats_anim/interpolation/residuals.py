@@ -31,7 +31,7 @@ class Residual:
     weights: Array
 
     @classmethod
-    def through_keys(cls, sines: Array, durations: Array, holds: np.ndarray) -> Residual:
+    def through_keys(cls, sines: Array, durations: Array, holds: np.ndarray, stride: int = 1) -> Residual:
         """Join segments so that slopes meet at the keys.
 
         Parameters
@@ -41,21 +41,28 @@ class Residual:
         durations : array-like, shape=[K - 1]
         holds : array-like of bool, shape=[K - 1, B]
             Segments in which a joint rests; it has no residual there, and no slope at either end.
+        stride : int
+            s: a segment is joined to the s-th after it.
+            Optional, default: 1.
 
         Returns
         -------
         residual : Residual
         """
-        sines = np.where(holds[:, None, :, None], 0.0, sines)
+        if holds.any():
+            sines = np.where(holds[:, None, :, None], 0.0, sines)
         order = np.pi * np.arange(1, sines.shape[1] + 1)
         slopes = np.stack([order, order * (-1.0) ** np.arange(1, len(order) + 1)])
         gaps = durations[:, None, None]
-        start, end = (np.tensordot(slope, sines, (0, 1)) / gaps for slope in slopes)
-        start_goal, end_goal = start.copy(), end.copy()
-        still = (holds[1:] | holds[:-1])[..., None]
-        start_goal[1:] = end_goal[:-1] = np.where(still, 0.0, 0.5 * (start[1:] + end[:-1]))
-        bends = np.stack([gaps * (start_goal - start), gaps * (end_goal - end)], axis=1)
-        return cls(np.concatenate([sines, bends], axis=1))
+        n_segments, n_sines, *shape = sines.shape
+        # what is not joined keeps its slopes
+        lacks = np.zeros((n_segments, 2, *shape))
+        ends = np.matmul(slopes, sines.reshape(n_segments, n_sines, -1)).reshape(lacks.shape) / gaps[..., None]
+        start, end = ends[stride:, 0], ends[:-stride, 1]
+        still = (holds[stride:] | holds[:-stride])[..., None]
+        goal = np.where(still, 0.0, 0.5 * (start + end))
+        lacks[stride:, 0], lacks[:-stride, 1] = goal - start, goal - end
+        return cls(np.concatenate([sines, gaps[..., None] * lacks], axis=1))
 
     def shared(self, shares: Array) -> Residual:
         """Take a share, shape=[B], of every joint's residual."""

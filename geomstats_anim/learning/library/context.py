@@ -56,46 +56,54 @@ class Contexts:
 
     def scales(self, parts: BodyParts) -> Array:
         """Return how far the joints of each part turn in a segment, shape=[n, parts], radians."""
-        square = (self.increments**2).sum(axis=(1, 3))
-        count = self.is_there.sum(axis=1)
-        means = [square[:, joints].sum(axis=1) / (count * len(joints)) for joints in parts.joints]
-        return _LEAST_SCALE + np.sqrt(np.stack(means, axis=1))
+        square = (self.increments**2).sum(axis=1).reshape(len(self.poses), -1)
+        means = square @ np.repeat(parts.averages, 3, axis=0)
+        return _LEAST_SCALE + np.sqrt(means / self.is_there.sum(axis=1)[:, None])
 
 
-def contexts_of(times: Array, rotations: Array, trunk: np.ndarray, vertical: Array) -> Contexts:
+def contexts_of(times: Array, rotations: Array, trunk: np.ndarray, vertical: Array, stride: int = 1) -> Contexts:
     """Describe what surrounds every segment between keys.
 
     Parameters
     ----------
     times : array-like, shape=[K]
         Seconds.
-    rotations : array-like, shape=[K, B, 4]
+    rotations : array-like, shape=[..., K, B, 4]
     trunk : array-like of int
         Joints that carry the heading, from the root on.
     vertical : array-like, shape=[3]
         Unit vector upwards in the space of the skeleton.
+    stride : int
+        s: segments lead from each key to the s-th after it, and their neighbours are those that meet them.
+        Optional, default: 1.
 
     Returns
     -------
     contexts : Contexts
-        Of K - 1 segments.
+        Of K - s segments, along all leading axes one after the other.
     """
-    gaps, steps = np.diff(times), quat.difference(rotations[:-1], rotations[1:])
+    gaps = times[stride:] - times[:-stride]
+    steps = quat.difference(rotations[..., :-stride, :, :], rotations[..., stride:, :, :])
     n_segments = len(gaps)
-    neighbours = np.arange(n_segments)[:, None] + np.arange(-(OFFSETS // 2), OFFSETS // 2 + 1)
+    neighbours = np.arange(n_segments)[:, None] + stride * np.arange(-(OFFSETS // 2), OFFSETS // 2 + 1)
     is_there = (neighbours >= 0) & (neighbours < n_segments)
     index = np.clip(neighbours, 0, n_segments - 1)
     ratio = np.where(is_there, gaps[:, None] / gaps[index], 0.0)
-    increments = ratio[..., None, None] * steps[index]
-    return Contexts(increments, is_there, _poses(rotations, trunk, vertical))
+    increments = ratio[..., None, None] * steps[..., index, :, :]
+    rows = _rows(rotations, trunk, vertical)
+    poses = 0.5 * (rows[..., :-stride, :, :] + rows[..., stride:, :, :])
+    is_there = np.broadcast_to(is_there, increments.shape[:-2])
+    n_joints = rotations.shape[-2]
+    return Contexts(
+        increments.reshape(-1, OFFSETS, n_joints, 3), is_there.reshape(-1, OFFSETS), poses.reshape(-1, n_joints, 9)
+    )
 
 
-def _poses(rotations: Array, trunk: np.ndarray, vertical: Array) -> Array:
-    rows = quat.to_matrix(rotations).reshape(*rotations.shape[:2], 9)
-    in_world = rotations[:, trunk[0]]
-    for i, joint in enumerate(trunk):
-        if i:
-            in_world = quat.multiply(in_world, rotations[:, joint])
-        rows[:, joint] = 0.0
-        rows[:, joint, :3] = quat.rotate(quat.conjugate(in_world), np.broadcast_to(vertical, (len(in_world), 3)))
-    return 0.5 * (rows[:-1] + rows[1:])
+def _rows(rotations: Array, trunk: np.ndarray, vertical: Array) -> Array:
+    """Return the poses at keys, shape=[..., K, B, 9]."""
+    rows = quat.to_matrix(rotations).reshape(*rotations.shape[:-1], 9)
+    seen = vertical
+    for joint in trunk:
+        seen = np.einsum("...i,...ij->...j", seen, rows[..., joint, :].reshape(*rows.shape[:-2], 3, 3))
+        rows[..., joint, :3], rows[..., joint, 3:] = seen, 0.0
+    return rows

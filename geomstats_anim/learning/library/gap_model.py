@@ -53,16 +53,24 @@ class GapModel:
     def _weights(self) -> list[Array]:
         return [weights_of(*pair) for pair in zip(self.whitened, self.centres.factors, strict=True)]
 
-    def predict(self, contexts: Contexts, parts: BodyParts) -> Array:
-        """Predict the weights of sines, shape=[n, N, B, 3], radians."""
+    @cached_property
+    def _single_weights(self) -> list[Array]:
+        return [each.astype(np.float32) for each in self._weights]
+
+    def predict(self, contexts: Contexts, parts: BodyParts, in_single: bool = False) -> Array:
+        """Predict the weights of sines, shape=[n, N, B, 3], radians; in single precision if that will do."""
         scales = contexts.scales(parts)
-        kernels = self.centres.kernels(features_of(contexts, parts, self.reductions, scales))
-        kernels *= scales.T[..., None]
-        found = [
-            (kernel @ weights).reshape(len(scales), self.n_sines, -1, 3)
-            for kernel, weights in zip(kernels, self._weights, strict=True)
-        ]
-        return np.concatenate(found, axis=2)[:, :, np.argsort(np.concatenate(parts.joints))]
+        features = features_of(contexts, parts, self.reductions, scales)
+        centres, all_weights = self.centres, self._weights
+        if in_single:
+            features = [each.astype(np.float32) for each in features]
+            centres, all_weights = centres.single, self._single_weights
+        kernels = centres.kernels(features)
+        kernels *= scales.T[..., None].astype(kernels.dtype)
+        sines = np.empty((len(scales), self.n_sines, len(parts.of_joint), 3))
+        for kernel, weights, joints in zip(kernels, all_weights, parts.joints, strict=True):
+            sines[:, :, joints] = (kernel @ weights).reshape(len(scales), self.n_sines, -1, 3)
+        return sines
 
 
 def fit_gap(

@@ -58,7 +58,8 @@ class Mirror:
 
     def rotation_vectors(self, vectors: Array) -> Array:
         """Mirror vectors of rotation in the frames of the joints, shape=[..., B, 3]."""
-        return np.asarray(-np.einsum("bij,...bj->...bi", self.frames, vectors)[..., self.counterpart, :])
+        by_joint = vectors.reshape(-1, *vectors.shape[-2:]).swapaxes(0, 1) @ -self.frames.swapaxes(-1, -2)
+        return np.asarray(by_joint[self.counterpart].swapaxes(0, 1).reshape(vectors.shape))
 
     def animation(self, animation: Animation) -> Animation:
         """Mirror an animation."""

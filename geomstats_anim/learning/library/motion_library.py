@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -91,11 +91,13 @@ class MotionLibrary:
     def _checked(self, times: Array, rotations: Array, curve: CurveParameters) -> tuple[Array, Residual | None]:
         """Return the shares of the parts, and the shared residual of the joints, in the order of the library."""
         shares = np.zeros(len(self.parts.joints))
-        if len(times) >= MIN_KEYS:
-            shares = self._self_check(times, rotations, curve)
+        if len(times) < MIN_KEYS:
+            return shares, None
+        images = self._images(rotations)
+        shares = self._self_check(times, images, curve)
         if not shares.any():
             return shares, None
-        return shares, self._residual(times, rotations).shared(shares[self.parts.of_joint])
+        return shares, self._residual(times, images).shared(shares[self.parts.of_joint])
 
     def rig_difference(self, skeleton: Skeleton) -> str:
         """Return how another rig differs, in words; "" if it is this one."""
@@ -123,49 +125,46 @@ class MotionLibrary:
             for kind, of_part, share in zip(parts.kinds, parts.joints, shares, strict=True)
         )
 
-    def _residual(self, times: Array, rotations: Array) -> Residual:
-        (sines,) = self._predict([(times, rotations)])
-        return _joined(rotations, np.diff(times), sines)
+    def _images(self, rotations: Array) -> Array:
+        """Return rotations, and how they are mirrored if the rig is, shape=[images, K, B, 4]."""
+        return np.stack([rotations] if self.mirror is None else [rotations, self.mirror.rotations(rotations)])
 
-    def _predict(self, stretches: Sequence[tuple[Array, Array]]) -> list[Array]:
-        """Predict the sines of stretches, times and rotations; the mean over both images where the rig is mirrored."""
-        images = list(stretches)
+    def _residual(self, times: Array, images: Array, stride: int = 1) -> Residual:
+        """Predict the segments from each key to the next, or to the next but one; the mean over the images."""
+        rotations, gaps = images[0], times[stride:] - times[:-stride]
+        contexts = contexts_of(times, images, self.parts.trunk, self.vertical, stride)
+        # to check whether it helps, single precision will do
+        sines = self._sines(np.tile(gaps, len(images)), contexts, in_single=stride > 1)
         if self.mirror is not None:
-            images += [(times, self.mirror.rotations(rotations)) for times, rotations in stretches]
-        gaps = [np.diff(times) for times, _ in images]
-        contexts = Contexts.joined([contexts_of(*each, self.parts.trunk, self.vertical) for each in images])
-        sines = np.split(self._sines(np.concatenate(gaps), contexts), np.cumsum([len(each) for each in gaps])[:-1])
-        if self.mirror is None:
-            return sines
-        pairs = zip(sines, sines[len(stretches) :], strict=False)
-        return [0.5 * (each + self.mirror.rotation_vectors(image)) for each, image in pairs]
+            sines = 0.5 * (sines[: len(gaps)] + self.mirror.rotation_vectors(sines[len(gaps) :]))
+        holds = quat.distance(rotations[:-stride], rotations[stride:]) <= STILL
+        return Residual.through_keys(sines, gaps, holds, stride)
 
-    def _sines(self, gaps: Array, contexts: Contexts) -> Array:
+    def _sines(self, gaps: Array, contexts: Contexts, in_single: bool) -> Array:
         """Predict all segments, each by the model of the nearest gap, seconds; 0 where none is near."""
         nearest = nearest_models(self.models, GAP_RATE * gaps)
-        most = max((self.models[i].n_sines for i in np.unique(nearest) if i >= 0), default=1)
+        used = sorted(set(nearest.tolist()) - {-1})
+        if len(used) == 1 and nearest.min() == used[0]:
+            return self.models[used[0]].predict(contexts, self.parts, in_single)
+        most = max((self.models[i].n_sines for i in used), default=1)
         sines = np.zeros((len(gaps), most, self.skeleton.n_joints, 3))
-        for i in np.unique(nearest[nearest >= 0]):
+        for i in used:
             model, segments = self.models[i], np.flatnonzero(nearest == i)
-            sines[segments, : model.n_sines] = model.predict(contexts.at(segments), self.parts)
+            sines[segments, : model.n_sines] = model.predict(contexts.at(segments), self.parts, in_single)
         return sines
 
-    def _self_check(self, times: Array, rotations: Array, curve: CurveParameters) -> Array:
-        """Predict every second key from the others, twice, and choose the shares that help most."""
-        halves = []
+    def _self_check(self, times: Array, images: Array, curve: CurveParameters) -> Array:
+        """Predict every key between others from every second other, and choose the shares that help most."""
+        rotations, hidden = images[0], slice(1, len(times) - 1)
+        segment, fraction = np.arange(len(times) - 2), (times[hidden] - times[:-2]) / (times[2:] - times[:-2])
+        splines = np.empty_like(rotations[hidden])
         for first in (0, 1):
-            kept = slice(first, len(times) - (len(times) - first + 1) % 2, 2)
-            halves.append((times[kept], rotations[kept], slice(first + 1, kept.stop - 1, 2)))
-        sines = self._predict([(ends, keys) for ends, keys, _ in halves])
-        splines, residuals, truth = [], [], []
-        for (ends, keys, hidden), half in zip(halves, sines, strict=True):
-            durations = np.diff(ends)
-            segment, fraction = np.arange(len(durations)), (times[hidden] - ends[:-1]) / durations
-            splines.append(PoseSpline(ends, keys, curve.metric, curve.tension)(segment, fraction))
-            residuals.append(_joined(keys, durations, half)(segment, fraction))
-            truth.append(rotations[hidden])
-        found = (np.concatenate(each) for each in (splines, residuals, truth))
-        return best_shares(HiddenPoses(self.skeleton, self.parts, *found), self._doubts(np.diff(times)))
+            spline = PoseSpline(times[first::2], rotations[first::2], curve.metric, curve.tension)
+            of_half = fraction[first::2]
+            splines[first::2] = spline(np.arange(len(of_half)), of_half)
+        residuals = self._residual(times, images, 2)(segment, fraction)
+        poses = HiddenPoses(self.skeleton, self.parts, splines, residuals, rotations[hidden])
+        return best_shares(poses, self._doubts(np.diff(times)))
 
     def _doubts(self, gaps: Array) -> Array:
         """Return the doubts of the models of segments, their mean, shape=[parts, shares, 2]."""
@@ -173,11 +172,6 @@ class MotionLibrary:
         used = np.bincount(nearest[nearest >= 0], minlength=len(self.models))
         doubts = np.stack([model.doubts for model in self.models])
         return np.tensordot(used, doubts, (0, 0)) / max(1, used.sum())
-
-
-def _joined(rotations: Array, gaps: Array, sines: Array) -> Residual:
-    """Join predictions between keys; what holds stays."""
-    return Residual.through_keys(sines, gaps, quat.distance(rotations[:-1], rotations[1:]) <= STILL)
 
 
 def _is_same(first: Skeleton, second: Skeleton) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -35,13 +36,19 @@ class BodyParts:
     kinds: tuple[str, ...]
     trunk: np.ndarray
 
-    @property
+    @cached_property
     def of_joint(self) -> np.ndarray:
         """Return the index of the part of each joint, shape=[B]."""
         part = np.empty(sum(map(len, self.joints)), dtype=np.intp)
         for i, joints in enumerate(self.joints):
             part[joints] = i
         return part
+
+    @cached_property
+    def averages(self) -> Array:
+        """Return the weights of joints in the means over the parts, shape=[B, parts]."""
+        is_in = self.of_joint[:, None] == np.arange(len(self.joints))
+        return is_in / np.maximum(is_in.sum(axis=0), 1)
 
 
 def body_parts(skeleton: Skeleton) -> BodyParts:

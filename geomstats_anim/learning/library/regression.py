@@ -37,27 +37,30 @@ class Centres:
     features: tuple[Array, ...]
 
     @cached_property
-    def _norms(self) -> list[Array]:
-        return [(each**2).sum(axis=1) for each in self.features]
+    def single(self) -> Centres:
+        """Return them in single precision, for features in it."""
+        return Centres(tuple(each.astype(np.float32) for each in self.features))
 
     @cached_property
-    def _transposed(self) -> list[Array]:
-        return [np.ascontiguousarray(-2.0 * each.T) for each in self.features]
+    def _lifted(self) -> list[Array]:
+        """Return matrices that turn features f, their square and 1 into squared distances."""
+        squares = [(each**2).sum(axis=1)[None] for each in self.features]
+        pairs = zip(self.features, squares, strict=True)
+        return [np.concatenate([-2.0 * each.T, np.ones_like(square), square]) for each, square in pairs]
 
     def kernels(self, features: list[Array]) -> Array:
         """Compare segments, given by their features, with the centres; shape=[parts, n, C]."""
-        squares = [
-            each @ transposed + (each**2).sum(axis=1)[:, None] + norms
-            for each, norms, transposed in zip(features, self._norms, self._transposed, strict=True)
-        ]
-        common = squares.pop()
-        for own in squares:
-            common += _OTHER_PARTS * own
-        for own in squares:
-            own *= _OTHER_PARTS - 1.0
-            own -= common
-            np.exp(np.minimum(own, 0.0, out=own), out=own)
-        return np.stack(squares)
+        n, dtype = len(features[0]), features[0].dtype
+        squares = np.empty((len(features), n, len(self.features[0])), dtype=dtype)
+        one = np.ones((n, 1), dtype=dtype)
+        for own, each, lifted in zip(squares, features, self._lifted, strict=True):
+            square = np.einsum("ij,ij->i", each, each)[:, None]
+            np.matmul(np.concatenate([each, square, one], axis=1), lifted, out=own)
+        kernels, common = squares[:-1], squares[-1]
+        common += _OTHER_PARTS * kernels.sum(axis=0)
+        kernels *= _OTHER_PARTS - 1.0
+        kernels -= common
+        return np.exp(np.minimum(kernels, 0.0, out=kernels), out=kernels)
 
     @cached_property
     def factors(self) -> Array:

@@ -55,15 +55,14 @@ class HiddenPoses:
     def angles(self) -> Array:
         """Return the errors of angles, shape=[parts, shares, n], means over the joints of each part."""
         found = quat.distance(self._turned, self.truth)
-        return np.stack([found[..., joints].mean(axis=-1) for joints in self.parts.joints])
+        return np.moveaxis(found @ self.parts.averages, -1, 0)
 
     @cached_property
     def limb_ends(self) -> Array:
         """Return the distances of bone ends, shape=[limbs, shares, n], with the torso as the spline has it."""
         poses = self._turned.copy()
         poses[:, :, self.parts.joints[0]] = self.splines[:, self.parts.joints[0]]
-        distances = np.linalg.norm(self._ends_of(poses) - self._ends, axis=-1)
-        return np.array([distances[..., joints].mean(axis=-1) for joints in self.parts.joints[1:]])
+        return np.moveaxis(self._missed(poses) @ self.parts.averages[:, 1:], -1, 0)
 
     def torso_ends(self, limbs: np.ndarray) -> Array:
         """Return the distances of all bone ends by the share of the torso, shape=[shares, n].
@@ -76,7 +75,12 @@ class HiddenPoses:
         poses = self._turned.copy()
         for joints, share in zip(self.parts.joints[1:], limbs, strict=True):
             poses[:, :, joints] = self._turned[share][:, joints]
-        return np.linalg.norm(self._ends_of(poses) - self._ends, axis=-1).mean(axis=-1)
+        return self._missed(poses).mean(axis=-1)
+
+    def _missed(self, poses: Array) -> Array:
+        """Return the distances of bone ends, shape=[..., B]."""
+        x, y, z = np.moveaxis(self._ends_of(poses) - self._ends, -1, 0)
+        return np.sqrt(x * x + y * y + z * z)
 
     def _ends_of(self, rotations: Array) -> Array:
         """Return the ends of bones, shape=[..., B, 3], of poses that stand where the rest pose does."""
