@@ -363,8 +363,11 @@ def test_schemes_without_a_metric_speak_of_none(tmp_path, clip, there_and_back, 
     out = run("downsample", clip, "-o", tmp_path / "out.usda", "--keys", "6", "--scheme", "squad")[1]
     assert out.splitlines()[0].endswith("as NumPy, scheme included")
     assert out.splitlines()[1] == "  squad, 3 joints"
-    report = there_and_back(clip, "--keys", "6", "--scheme", "squad")[2]
+    sparse, _, report = there_and_back(clip, "--keys", "6", "--scheme", "squad")
     assert report["animations"][0]["metric_summary"] == "squad, 3 joints"
+    stage = Usd.Stage.Open(str(sparse))
+    summary = stage.GetPrimAtPath(SKELETON).GetAttribute("userProperties:geodesicMetricSummary")
+    assert summary.Get() == "squad, 3 joints"
 
 
 def test_one_joint_is_one(tmp_path, run):

@@ -60,7 +60,10 @@ def test_serves_until_an_interrupt(rig, tmp_path):
     pytest.importorskip("viser")
     words = [sys.executable, "-m", "usd_tools.live", rig, "-o", tmp_path / "out.usda", "--port", "0", "--no-browser"]
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    # a shell has jobs in the background ignore interrupts, and programs inherit that
+    handler = signal.signal(signal.SIGINT, signal.default_int_handler)
     server = subprocess.Popen(words, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, stderr=-1, text=True)
+    signal.signal(signal.SIGINT, handler)
     address = server.stdout.readline().split()[1]
     assert address.startswith("http://localhost:")
     assert b"<html" in urllib.request.urlopen(address).read().lower()

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from geomstats_anim import LearnedMetric
 from geomstats_anim.names import WITH_METRIC
 from geomstats_anim.rotations import Array
 from usd_tools.console.tables import show
@@ -139,7 +138,7 @@ def describe(downsampled: DownsampledClip, weights_tolerance: float) -> Downsamp
         kept_samples=len(downsampled.kept),
         kept_time_codes=tuple(downsampled.kept.tolist()),
         scheme=downsampled.metric.scheme,
-        metric_summary="" if metric is None else _summary_of(metric),
+        metric_summary="" if metric is None else summary(metric),
         constant=tuple(name for name, channel in sparse.channels.items() if not len(channel.codes)),
         kept_whole=tuple(selection.kept_whole),
         weights=_weights(downsampled, weights_tolerance),
@@ -186,13 +185,6 @@ def _largest_rotation_error(downsampled: DownsampledClip) -> dict[str, Any]:
         "degrees": float(errors.degrees[frame, joint]),
         "time_code": float(downsampled.clip.codes[frame]),
     }
-
-
-def _summary_of(metric: LearnedMetric) -> str:
-    """Describe a metric in one line, and a scheme that uses none by its name."""
-    if metric.scheme in WITH_METRIC:
-        return summary(metric)
-    return f"{metric.scheme}, {counted(len(metric.joints), 'joint')}"
 
 
 def _statistics(errors: Errors) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from pxr import Sdf, Usd, Vt
 
 from geomstats_anim import LearnedMetric, MetricParameters
 from geomstats_anim.learned_metric import FORMAT_VERSION
+from geomstats_anim.names import WITH_METRIC
 from geomstats_anim.strict_json import dump_json, parse_json
 from usd_tools.console.errors import ToolError
 from usd_tools.console.text import counted
@@ -94,10 +95,12 @@ def uncoupled(metric: LearnedMetric, where: str) -> LearnedMetric:
 
 
 def summary(metric: LearnedMetric) -> str:
-    """Describe a metric in one line."""
+    """Describe a metric in one line, and a scheme that uses none by its name."""
     parameters = metric.parameters
     if not metric.joints:
         return "no joints"
+    if metric.scheme not in WITH_METRIC:
+        return f"{metric.scheme}, {counted(len(metric.joints), 'joint')}"
     sides = [f"{parameters.invariance.count(side)} {side}" for side in ("left", "right")]
     family = "diagonal" if parameters.axes is None else "spd"
     words = [metric.scheme, f"{counted(len(metric.joints), 'joint')} ({', '.join(sides)})", family]
