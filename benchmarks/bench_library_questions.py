@@ -45,7 +45,6 @@ from geomstats_anim.criteria import rotation_errors  # noqa: E402
 from geomstats_anim.interpolation.learned_scheme import Learned  # noqa: E402
 from geomstats_anim.kinematics import place  # noqa: E402
 from geomstats_anim.learning.library.context import contexts_of  # noqa: E402
-from geomstats_anim.learning.library.features import features_of  # noqa: E402
 from geomstats_anim.learning.library.motion_library import MotionLibrary  # noqa: E402
 from geomstats_anim.learning.library.regression import Regression, weights_of  # noqa: E402
 from geomstats_anim.learning.library.samples import Samples, samples_of  # noqa: E402
@@ -86,7 +85,7 @@ def network(library: MotionLibrary, rest: Clips, held: Clips) -> tuple[float, fl
 
     def inputs(samples: Samples) -> tuple[np.ndarray, np.ndarray]:
         scales = samples.contexts.scales(parts)
-        features = np.concatenate(features_of(samples.contexts, parts, model.reductions, scales), axis=1)
+        features = np.concatenate(model.features(samples.contexts, scales), axis=1)
         return features, scales[:, parts.of_joint][:, None, :, None]
 
     (x, scale), (z, unit) = inputs(train), inputs(test)
@@ -94,7 +93,7 @@ def network(library: MotionLibrary, rest: Clips, held: Clips) -> tuple[float, fl
     warnings.simplefilter("ignore", ConvergenceWarning)  # stopped early on purpose
     net.fit(x, (train.sines / scale).reshape(len(x), -1))
     by_net = net.predict(z).reshape(test.sines.shape) * unit
-    by_kernel = model.predict(test.contexts, parts)
+    by_kernel = model.predict(test.contexts)
     return tuple(left(test.sines, each) for each in (by_kernel, by_net, 0.5 * (by_kernel + by_net)))  # type: ignore
 
 
@@ -102,7 +101,7 @@ def hips(library: MotionLibrary, rest: Clips, held: Clips) -> float:
     """Return what a regression on the features of the torso leaves of the hips' path, off the cubic spline."""
     (model,), parts = library.models, library.parts
 
-    def missed(clips: Clips) -> tuple[np.ndarray, list[np.ndarray]]:
+    def missed(clips: Clips) -> tuple[np.ndarray, np.ndarray]:
         paths, features = [], []
         for clip in clips:
             samples = samples_of([clip], GAP, parts.trunk, library.vertical)
@@ -118,8 +117,8 @@ def hips(library: MotionLibrary, rest: Clips, held: Clips) -> float:
                 off = clip.translations[middle, joint] - dense.translations[:, joint]
                 paths.append(quat.rotate(quat.conjugate(dense.rotations[:, joint]), off))
                 at = contexts_of(clip.times[keys], clip.rotations[keys], parts.trunk, library.vertical)
-                features.append(features_of(at, parts, model.reductions, at.scales(parts)))
-        return np.concatenate(paths), [np.concatenate(column) for column in zip(*features, strict=True)]
+                features.append(model.features(at, at.scales(parts)))
+        return np.concatenate(paths), np.concatenate(features, axis=1)
 
     (path, features), (goal, others) = missed(rest), missed(held)
     factor = model.centres.factors[0]

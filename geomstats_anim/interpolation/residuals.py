@@ -31,7 +31,7 @@ class Residual:
     weights: Array
 
     @classmethod
-    def through_keys(cls, sines: Array, durations: Array, holds: np.ndarray, stride: int = 1) -> Residual:
+    def through_keys(cls, sines: Array, durations: Array, holds: np.ndarray) -> Residual:
         """Join segments so that slopes meet at the keys.
 
         Parameters
@@ -41,9 +41,6 @@ class Residual:
         durations : array-like, shape=[K - 1]
         holds : array-like of bool, shape=[K - 1, B]
             Segments in which a joint rests; it has no residual there, and no slope at either end.
-        stride : int
-            s: a segment is joined to the s-th after it.
-            Optional, default: 1.
 
         Returns
         -------
@@ -55,13 +52,12 @@ class Residual:
         slopes = np.stack([order, order * (-1.0) ** np.arange(1, len(order) + 1)])
         gaps = durations[:, None, None]
         n_segments, n_sines, *shape = sines.shape
-        # what is not joined keeps its slopes
         lacks = np.zeros((n_segments, 2, *shape))
         ends = np.matmul(slopes, sines.reshape(n_segments, n_sines, -1)).reshape(lacks.shape) / gaps[..., None]
-        start, end = ends[stride:, 0], ends[:-stride, 1]
-        still = (holds[stride:] | holds[:-stride])[..., None]
+        start, end = ends[1:, 0], ends[:-1, 1]
+        still = (holds[1:] | holds[:-1])[..., None]
         goal = np.where(still, 0.0, 0.5 * (start + end))
-        lacks[stride:, 0], lacks[:-stride, 1] = goal - start, goal - end
+        lacks[1:, 0], lacks[:-1, 1] = goal - start, goal - end
         return cls(np.concatenate([sines, gaps[..., None] * lacks], axis=1))
 
     def shared(self, shares: Array) -> Residual:

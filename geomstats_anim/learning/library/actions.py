@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.cluster.hierarchy import fcluster, linkage
 
-from geomstats_anim.learning.library.features import Reduction, features_of
+from geomstats_anim.learning.library.features import Features
 from geomstats_anim.learning.library.parts import BodyParts
 from geomstats_anim.learning.library.samples import Samples
 
@@ -28,8 +28,7 @@ def cluster_clips(samples: Samples, parts: BodyParts, n_clips: int) -> np.ndarra
     """
     actions = np.zeros(n_clips, dtype=np.intp)
     contexts, scales = samples.contexts, samples.contexts.scales(parts)
-    reductions = tuple(Reduction.fitted(contexts, scales[:, p], joints) for p, joints in enumerate(parts.joints))
-    features = np.concatenate(features_of(contexts, parts, reductions, scales)[:-1], axis=1)
+    features = np.concatenate(Features.fitted(contexts, scales, parts)(contexts, scales)[:-1], axis=1)
     present = np.unique(samples.clip)
     if len(present) > 1:
         means = np.stack([features[samples.clip == clip].mean(axis=0) for clip in present])

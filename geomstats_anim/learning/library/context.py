@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geomstats_anim import rotations as quat
+from geomstats_anim.interpolation.tangents import STILL
 from geomstats_anim.learning.library.parts import BodyParts
 from geomstats_anim.rotations import Array
 
@@ -53,6 +54,11 @@ class Contexts:
         """Join contexts one after the other."""
         columns = zip(*((each.increments, each.is_there, each.poses) for each in contexts), strict=True)
         return cls(*map(np.concatenate, columns))
+
+    @property
+    def holds(self) -> np.ndarray:
+        """Return which joints rest in a segment, shape=[n, B]."""
+        return np.asarray((self.increments[:, OFFSETS // 2] ** 2).sum(axis=-1) <= STILL**2)
 
     def scales(self, parts: BodyParts) -> Array:
         """Return how far the joints of each part turn in a segment, shape=[n, parts], radians."""

@@ -82,11 +82,12 @@ def errors_left_out(
     found: Array = np.asarray(np.tensordot(middle, predicted[chosen], (0, 1)), dtype=np.float64)
     middles, clips = samples.middles[chosen], clip[chosen]
     hidden = HiddenPoses(skeleton, parts, middles, found, quat.multiply(middles, quat.exp(missed)))
-    ends = np.stack([hidden.torso_ends(np.zeros(len(parts.joints) - 1, dtype=np.intp)), *hidden.limb_ends])
-    errors = np.stack([hidden.angles, ends], axis=1)
+    errors = hidden.of_torso(np.zeros(len(parts.joints) - 1))
+    if len(parts.joints) > 1:
+        errors = np.concatenate([errors, hidden.of_limbs()], axis=1)
     ratios, deviations = np.full((2, clip.max() + 1, len(parts.joints), len(SHARES), 2), np.nan)
     for each in np.unique(clips):
-        found = ratios_to_spline(errors[..., clips == each]).transpose(0, 2, 1, 3)
+        found = ratios_to_spline(errors[..., clips == each]).transpose(1, 2, 0, 3)
         ratios[each], deviations[each] = found.mean(axis=-1), (found - found[:, :1]).std(axis=-1)
     return LeftOut(ratios, deviations)
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from geomstats_anim.kernels import surroundings
 from geomstats_anim.learning.library.context import OFFSETS, Contexts
 from geomstats_anim.learning.library.parts import BodyParts
 from geomstats_anim.rotations import Array
@@ -20,7 +22,7 @@ _LEAST_UNIT = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Reduction:
-    """Principal components of the features of one part.
+    """Principal components of what surrounds one part.
 
     Parameters
     ----------
@@ -34,21 +36,63 @@ class Reduction:
     mean: Array
     components: Array
 
-    def __call__(self, contexts: Contexts, scale: Array, joints: np.ndarray) -> Array:
-        """Reduce the features of a part, whose joints and scale, shape=[n], are given; shape=[n, N]."""
-        return (_raw(contexts, scale, joints, self.units) - self.mean) @ self.components
+
+@dataclass(frozen=True, eq=False)
+class Features:
+    """Features of all parts of the body.
+
+    Parameters
+    ----------
+    parts : BodyParts
+    reductions : tuple of Reduction
+        Of each part.
+    """
+
+    parts: BodyParts
+    reductions: tuple[Reduction, ...]
 
     @classmethod
-    def fitted(cls, contexts: Contexts, scale: Array, joints: np.ndarray) -> Reduction:
+    def fitted(cls, contexts: Contexts, scales: Array, parts: BodyParts) -> Features:
         """Fit to the segments of a library, given to half precision, in which it is stored."""
-        poses = contexts.poses[:, joints].reshape(len(scale), -1)
-        log_scale = np.log(scale)
-        deviation = np.sqrt(((poses - poses.mean(axis=0)) ** 2).sum(axis=1).mean())
-        units = np.array([max(deviation, _LEAST_UNIT), log_scale.mean(), max(log_scale.std(), _LEAST_UNIT)])
-        raw = _raw(contexts, scale, joints, units)
-        mean = half(raw.mean(axis=0))
-        _, vectors = np.linalg.eigh((raw - mean).T @ (raw - mean))
-        return cls(units, mean, half(vectors[:, ::-1][:, :N_FEATURES]))
+        units = np.stack([_units(contexts.poses[:, j], s) for j, s in zip(parts.joints, scales.T, strict=True)])
+        reductions = []
+        for unit, raw, joints in zip(units, _described(contexts, scales, parts, units), parts.joints, strict=True):
+            own = raw[:, : description_width(len(joints))]
+            mean = half(own.mean(axis=0))
+            _, vectors = np.linalg.eigh((own - mean).T @ (own - mean))
+            reductions.append(Reduction(unit, mean, half(vectors[:, ::-1][:, :N_FEATURES])))
+        return cls(parts, tuple(reductions))
+
+    def __call__(self, contexts: Contexts, scales: Array) -> Array:
+        """Reduce what surrounds segments.
+
+        Parameters
+        ----------
+        contexts : Contexts
+        scales : array-like, shape=[n, parts]
+
+        Returns
+        -------
+        features : array-like, shape=[parts + 1, n, N]
+            Of every part, and last of which neighbours there are; filled up with zeros.
+        """
+        units, components, shift = self._stacked
+        features = np.zeros((len(components) + 1, len(scales), N_FEATURES))
+        np.matmul(_described(contexts, scales, self.parts, units), components, out=features[:-1])
+        features[:-1] -= shift
+        features[-1, :, :OFFSETS] = _MASK_WEIGHT * (1.0 - contexts.is_there)
+        return features
+
+    @cached_property
+    def _stacked(self) -> tuple[Array, Array, Array]:
+        """Return the units, shape=[parts, 3], components, shape=[parts, D, N], and the means of features."""
+        width = max(len(each.mean) for each in self.reductions)
+        components = np.zeros((len(self.reductions), width, N_FEATURES))
+        shift = np.zeros((len(self.reductions), 1, N_FEATURES))
+        for p, each in enumerate(self.reductions):
+            components[p, : len(each.mean), : each.components.shape[1]] = each.components
+            shift[p, :, : each.components.shape[1]] = each.mean @ each.components
+        return np.stack([each.units for each in self.reductions]), components, shift
 
 
 def half(values: Array) -> Array:
@@ -56,19 +100,28 @@ def half(values: Array) -> Array:
     return np.array(values, dtype=np.float16, order="C").astype(np.float64)
 
 
-def _raw(contexts: Contexts, scale: Array, joints: np.ndarray, units: Array) -> Array:
-    n = len(scale)
-    weights = _INCREMENT_WEIGHTS / np.sqrt(_INCREMENT_WEIGHTS.dot(_INCREMENT_WEIGHTS) * len(joints))
-    increments = contexts.increments[:, :, joints] * (weights / scale[:, None])[..., None, None]
-    poses = contexts.poses[:, joints] / units[0]
-    log_scale = _SCALE_WEIGHT * (np.log(scale) - units[1]) / units[2]
-    return np.concatenate([increments.reshape(n, -1), poses.reshape(n, -1), log_scale[:, None]], axis=1)
+def _units(poses: Array, scale: Array) -> Array:
+    """Return the units of a part; see `Reduction`."""
+    log_scale = np.log(scale)
+    deviation = np.sqrt(((poses - poses.mean(axis=0)) ** 2).sum(axis=(1, 2)).mean())
+    return np.array([max(deviation, _LEAST_UNIT), log_scale.mean(), max(log_scale.std(), _LEAST_UNIT)])
 
 
-def features_of(contexts: Contexts, parts: BodyParts, reductions: tuple[Reduction, ...], scales: Array) -> list[Array]:
-    """Return the features of every part, shape=[n, N] each, and last of which neighbours there are, shape=[n, 5]."""
-    of_parts = [
-        reduction(contexts, scales[:, p], joints)
-        for p, (reduction, joints) in enumerate(zip(reductions, parts.joints, strict=True))
-    ]
-    return [*of_parts, _MASK_WEIGHT * (1.0 - contexts.is_there.reshape(-1, OFFSETS))]
+def description_width(n_joints: int) -> int:
+    """Return how many numbers describe the surroundings of a part."""
+    return (3 * OFFSETS + 9) * n_joints + 1
+
+
+def _described(contexts: Contexts, scales: Array, parts: BodyParts, units: Array) -> Array:
+    """Describe the surroundings of every part, shape=[parts, n, D], filled up with zeros."""
+    sizes = np.array([len(joints) for joints in parts.joints])
+    table = np.zeros((len(sizes), sizes.max()), dtype=np.intp)
+    for row, joints in zip(table, parts.joints, strict=True):
+        row[: len(joints)] = joints
+    weights = _INCREMENT_WEIGHTS / np.sqrt(_INCREMENT_WEIGHTS.dot(_INCREMENT_WEIGHTS))
+    units = units / [1.0, 1.0, _SCALE_WEIGHT]
+    described = np.zeros((len(sizes), len(scales), description_width(sizes.max())))
+    surroundings.describe(
+        contexts.increments, contexts.poses, np.ascontiguousarray(scales), weights, table, sizes, units, described
+    )
+    return described

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from geomstats_anim.learning.library.context import OFFSETS, Contexts
-from geomstats_anim.learning.library.features import Reduction, features_of, half
+from geomstats_anim.learning.library.features import Features, Reduction, half
 from geomstats_anim.learning.library.parts import BodyParts
 from geomstats_anim.learning.library.regression import Centres, Regression, weights_of
 from geomstats_anim.learning.library.samples import Samples
@@ -19,6 +19,9 @@ from geomstats_anim.rotations import Array
 MOST_CENTRES = 450
 _MOST_NUMBERS = 480_000
 """Of a model: less than a megabyte in half precision."""
+
+_AT_ONCE = 64
+"""Segments that are compared with the centres at once, so that the numbers stay in the processor's cache."""
 
 _NEAR = 1.5
 """A model is used for segments up to this ratio longer or shorter than its own."""
@@ -33,8 +36,8 @@ class GapModel:
     gap : int
         Frames of 30 per second.
     n_sines : int
-    reductions : tuple of Reduction
-        Of the features of each part.
+    features : Features
+        Of the surroundings of segments.
     centres : Centres
     whitened : tuple of array-like, shape=[C, N * B_p * 3]
         Weights of the whitened kernels of each part.
@@ -44,33 +47,52 @@ class GapModel:
 
     gap: int
     n_sines: int
-    reductions: tuple[Reduction, ...]
+    features: Features
     centres: Centres
     whitened: tuple[Array, ...]
     doubts: Array
 
     @cached_property
-    def _weights(self) -> list[Array]:
-        return [weights_of(*pair) for pair in zip(self.whitened, self.centres.factors, strict=True)]
+    def _weights(self) -> tuple[np.ndarray, ...]:
+        pairs = zip(self.whitened, self.centres.factors, strict=True)
+        return tuple(weights_of(*pair).astype(np.float32) for pair in pairs)
 
     @cached_property
-    def _single_weights(self) -> list[Array]:
-        return [each.astype(np.float32) for each in self._weights]
+    def _order(self) -> np.ndarray:
+        """Return the place of each number of the sines, shape=[N * B * 3], in those of one part after the other."""
+        parts = self.features.parts
+        places = np.arange(self.n_sines * len(parts.of_joint) * 3).reshape(self.n_sines, -1, 3)
+        return np.argsort(np.concatenate([places[:, joints].ravel() for joints in parts.joints]))
 
-    def predict(self, contexts: Contexts, parts: BodyParts, in_single: bool = False) -> Array:
-        """Predict the weights of sines, shape=[n, N, B, 3], radians; in single precision if that will do."""
+    def predict(self, contexts: Contexts, n_images: int = 1) -> Array:
+        """Predict in single precision, which is that of files.
+
+        Parameters
+        ----------
+        contexts : Contexts
+        n_images : int
+            Contexts are of so many images of a clip, one after the other; each is predicted by itself, so that its
+            rounding is the same wherever it stands.
+            Optional, default: 1.
+
+        Returns
+        -------
+        sines : array-like, shape=[n, N, B, 3]
+            Weights, radians.
+        """
+        parts = self.features.parts
         scales = contexts.scales(parts)
-        features = features_of(contexts, parts, self.reductions, scales)
-        centres, all_weights = self.centres, self._weights
-        if in_single:
-            features = [each.astype(np.float32) for each in features]
-            centres, all_weights = centres.single, self._single_weights
-        kernels = centres.kernels(features)
-        kernels *= scales.T[..., None].astype(kernels.dtype)
-        sines = np.empty((len(scales), self.n_sines, len(parts.of_joint), 3))
-        for kernel, weights, joints in zip(kernels, all_weights, parts.joints, strict=True):
-            sines[:, :, joints] = (kernel @ weights).reshape(len(scales), self.n_sines, -1, 3)
-        return sines
+        features = self.features(contexts, scales).astype(np.float32)
+        features = features.reshape(len(features), n_images, -1, features.shape[-1])
+        found = np.empty((*features.shape[1:3], len(self._order)), dtype=np.float32)
+        columns = np.cumsum([0, *(each.shape[1] for each in self._weights)])
+        for start in range(0, found.shape[1], _AT_ONCE):
+            rows = slice(start, start + _AT_ONCE)
+            kernels = self.centres.single.kernels(features[:, :, rows])
+            for p, weights in enumerate(self._weights):
+                np.matmul(kernels[p], weights, out=found[:, rows, columns[p] : columns[p + 1]])
+        sines = found[..., self._order].reshape(len(scales), self.n_sines, -1, 3)
+        return np.asarray(sines * scales[:, None, parts.of_joint, None])
 
 
 def fit_gap(
@@ -96,10 +118,10 @@ def fit_gap(
     """
     contexts, n = samples.contexts, len(samples.clip)
     scales = contexts.scales(parts)
-    reductions = tuple(Reduction.fitted(contexts, scales[:, p], joints) for p, joints in enumerate(parts.joints))
-    features = features_of(contexts, parts, reductions, scales)
-    chosen = rng.permutation(n)[: _n_centres(reductions, samples.sines[0].size)]
-    centres = Centres(tuple(half(each[chosen]) for each in features))
+    to_features = Features.fitted(contexts, scales, parts)
+    features = to_features(contexts, scales)
+    chosen = rng.permutation(n)[: _n_centres(to_features.reductions, samples.sines[0].size)]
+    centres = Centres(half(features[:, chosen]))
     kernels, whitened, left_out = centres.kernels(features), [], np.empty_like(samples.sines)
     for p, joints in enumerate(parts.joints):
         shape = samples.sines[:, :, joints].shape
@@ -109,7 +131,7 @@ def fit_gap(
         unseen = scales[:, p, None] * regression.predict_left_out(actions[samples.clip], chosen)
         left_out[:, :, joints] = unseen.reshape(shape)
     doubts = np.zeros((len(parts.joints), len(SHARES), 2))
-    return GapModel(gap, samples.sines.shape[1], reductions, centres, tuple(whitened), doubts), left_out
+    return GapModel(gap, samples.sines.shape[1], to_features, centres, tuple(whitened), doubts), left_out
 
 
 def _n_centres(reductions: Sequence[Reduction], n_targets: int) -> int:

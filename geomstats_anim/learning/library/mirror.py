@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -51,10 +52,15 @@ class Mirror:
     frames: Array
     parent_frames: Array
 
+    @cached_property
+    def _turns(self) -> tuple[Array, Array]:
+        """Return -F of the parents, and the inverse of -F: reflections turned round are rotations, shape=[B, 4]."""
+        return quat.from_matrix(-self.parent_frames), quat.conjugate(quat.from_matrix(-self.frames))
+
     def rotations(self, rotations: Array) -> Array:
         """Mirror rotations of all joints, shape=[..., B, 4]."""
-        turned = self.parent_frames @ quat.to_matrix(rotations) @ self.frames.swapaxes(-1, -2)
-        return np.asarray(quat.from_matrix(turned)[..., self.counterpart, :])
+        before, after = self._turns
+        return np.asarray(quat.multiply(quat.multiply(before, rotations), after)[..., self.counterpart, :])
 
     def rotation_vectors(self, vectors: Array) -> Array:
         """Mirror vectors of rotation in the frames of the joints, shape=[..., B, 3]."""

@@ -9,19 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from geomstats_anim import rotations as quat
 from geomstats_anim.animation import Animation, Skeleton
 from geomstats_anim.interpolation.learned_scheme import Help, PartHelp
 from geomstats_anim.interpolation.residuals import Residual
 from geomstats_anim.interpolation.splines import PoseSpline
-from geomstats_anim.interpolation.tangents import STILL
 from geomstats_anim.learning.library.context import Contexts, contexts_of
 from geomstats_anim.learning.library.gap_model import GapModel, nearest_models
 from geomstats_anim.learning.library.mirror import Mirror, mirror_of
 from geomstats_anim.learning.library.one_thread import one_thread
 from geomstats_anim.learning.library.parts import BodyParts, body_parts
 from geomstats_anim.learning.library.samples import GAP_RATE
-from geomstats_anim.learning.library.self_check import HiddenPoses, best_shares
+from geomstats_anim.learning.library.self_check import MOST_HIDDEN, HiddenPoses, best_shares, spread
 from geomstats_anim.parameters import CurveParameters
 from geomstats_anim.rotations import Array
 
@@ -85,7 +83,7 @@ class MotionLibrary:
         place = {joint: i for i, joint in enumerate(keys.skeleton.joints)}
         order = np.array([place[joint] for joint in self.skeleton.joints], dtype=np.intp)
         with one_thread():
-            shares, residual = self._checked(keys.times, keys.rotations[:, order], curve.at(order))
+            shares, residual = self._checked(keys.times, keys.rotations.take(order, axis=1), curve.at(order))
         return Help(None if residual is None else residual.at_joints(np.argsort(order)), self._described(shares))
 
     def _checked(self, times: Array, rotations: Array, curve: CurveParameters) -> tuple[Array, Residual | None]:
@@ -129,49 +127,69 @@ class MotionLibrary:
         """Return rotations, and how they are mirrored if the rig is, shape=[images, K, B, 4]."""
         return np.stack([rotations] if self.mirror is None else [rotations, self.mirror.rotations(rotations)])
 
-    def _residual(self, times: Array, images: Array, stride: int = 1) -> Residual:
-        """Predict the segments from each key to the next, or to the next but one; the mean over the images."""
-        rotations, gaps = images[0], times[stride:] - times[:-stride]
-        contexts = contexts_of(times, images, self.parts.trunk, self.vertical, stride)
-        # to check whether it helps, single precision will do
-        sines = self._sines(np.tile(gaps, len(images)), contexts, in_single=stride > 1)
-        if self.mirror is not None:
-            sines = 0.5 * (sines[: len(gaps)] + self.mirror.rotation_vectors(sines[len(gaps) :]))
-        holds = quat.distance(rotations[:-stride], rotations[stride:]) <= STILL
-        return Residual.through_keys(sines, gaps, holds, stride)
+    def _residual(self, times: Array, images: Array) -> Residual:
+        """Predict the segments from each key to the next."""
+        gaps, contexts = np.diff(times), contexts_of(times, images, self.parts.trunk, self.vertical)
+        return Residual.through_keys(self._mean_sines(gaps, contexts), gaps, contexts.holds[: len(gaps)])
 
-    def _sines(self, gaps: Array, contexts: Contexts, in_single: bool) -> Array:
+    def _mean_sines(self, gaps: Array, contexts: Contexts) -> Array:
+        """Predict segments, given by contexts of one image after the other; the mean over the images."""
+        if self.mirror is None:
+            return self._sines(gaps, contexts, 1)
+        sines = self._sines(np.tile(gaps, 2), contexts, 2)
+        return 0.5 * (sines[: len(gaps)] + self.mirror.rotation_vectors(sines[len(gaps) :]))
+
+    def _sines(self, gaps: Array, contexts: Contexts, n_images: int) -> Array:
         """Predict all segments, each by the model of the nearest gap, seconds; 0 where none is near."""
         nearest = nearest_models(self.models, GAP_RATE * gaps)
         used = sorted(set(nearest.tolist()) - {-1})
         if len(used) == 1 and nearest.min() == used[0]:
-            return self.models[used[0]].predict(contexts, self.parts, in_single)
+            return self.models[used[0]].predict(contexts, n_images)
         most = max((self.models[i].n_sines for i in used), default=1)
         sines = np.zeros((len(gaps), most, self.skeleton.n_joints, 3))
         for i in used:
             model, segments = self.models[i], np.flatnonzero(nearest == i)
-            sines[segments, : model.n_sines] = model.predict(contexts.at(segments), self.parts, in_single)
+            sines[segments, : model.n_sines] = model.predict(contexts.at(segments), n_images)
         return sines
 
     def _self_check(self, times: Array, images: Array, curve: CurveParameters) -> Array:
-        """Predict every key between others from every second other, and choose the shares that help most."""
-        rotations, hidden = images[0], slice(1, len(times) - 1)
-        segment, fraction = np.arange(len(times) - 2), (times[hidden] - times[:-2]) / (times[2:] - times[:-2])
-        splines = np.empty_like(rotations[hidden])
-        for first in (0, 1):
-            spline = PoseSpline(times[first::2], rotations[first::2], curve.metric, curve.tension)
-            of_half = fraction[first::2]
-            splines[first::2] = spline(np.arange(len(of_half)), of_half)
-        residuals = self._residual(times, images, 2)(segment, fraction)
-        poses = HiddenPoses(self.skeleton, self.parts, splines, residuals, rotations[hidden])
+        """Predict keys between others from every second other, and choose the shares that help most.
+
+        Of few keys both halves are hidden in turn, of more one half, and of many some of it.
+        """
+        step = 2 if len(times) - 2 > MOST_HIDDEN else 1
+        hidden, known, stride = slice(1, len(times) - 1, step), slice(None, None, step), 2 // step
+        starts, gaps, truth = times[:-2:step], times[2::step] - times[:-2:step], images[0, hidden]
+        fraction, chosen = (times[hidden] - starts) / gaps, spread(len(truth), MOST_HIDDEN)
+        contexts = contexts_of(times[known], images[:, known], self.parts.trunk, self.vertical, stride)
+        sines, holds = self._sines_near(chosen, stride, gaps, contexts), contexts.holds[: len(truth)]
+        splines, residuals = np.empty_like(truth), np.empty_like(truth[..., :3])
+        for first in range(stride):
+            of_half, keys = slice(first, None, stride), slice(first, None, 2)
+            at = np.arange(len(gaps[of_half])), fraction[of_half]
+            splines[of_half] = PoseSpline(times[keys], images[0, keys], curve.metric, curve.tension)(*at)
+            residuals[of_half] = Residual.through_keys(sines[of_half], gaps[of_half], holds[of_half])(*at)
+        poses = HiddenPoses(self.skeleton, self.parts, splines[chosen], residuals[chosen], truth[chosen])
         return best_shares(poses, self._doubts(np.diff(times)))
+
+    def _sines_near(self, chosen: np.ndarray, stride: int, gaps: Array, contexts: Contexts) -> Array:
+        """Predict some segments and those that they meet, in place among all; the others stay 0."""
+        near = np.unique(np.clip(chosen[:, None] + [-stride, 0, stride], 0, len(gaps) - 1))
+        of_images = near + len(gaps) * np.arange(len(contexts.poses) // len(gaps))[:, None]
+        found = self._mean_sines(gaps[near], contexts.at(of_images.ravel()))
+        sines = np.zeros((len(gaps), *found.shape[1:]))
+        sines[near] = found
+        return sines
 
     def _doubts(self, gaps: Array) -> Array:
         """Return the doubts of the models of segments, their mean, shape=[parts, shares, 2]."""
         nearest = nearest_models(self.models, GAP_RATE * gaps)
         used = np.bincount(nearest[nearest >= 0], minlength=len(self.models))
-        doubts = np.stack([model.doubts for model in self.models])
-        return np.tensordot(used, doubts, (0, 0)) / max(1, used.sum())
+        return np.tensordot(used / max(1, used.sum()), self._all_doubts, (0, 0))
+
+    @cached_property
+    def _all_doubts(self) -> Array:
+        return np.stack([model.doubts for model in self.models])
 
 
 def _is_same(first: Skeleton, second: Skeleton) -> bool:

@@ -30,42 +30,52 @@ class Centres:
 
     Parameters
     ----------
-    features : tuple of array-like, shape=[C, N]
+    features : array-like, shape=[parts + 1, C, N]
         Of each part of the body, and of which neighbours there are.
     """
 
-    features: tuple[Array, ...]
+    features: Array
 
     @cached_property
     def single(self) -> Centres:
         """Return them in single precision, for features in it."""
-        return Centres(tuple(each.astype(np.float32) for each in self.features))
+        return Centres(self.features.astype(np.float32))
 
     @cached_property
-    def _lifted(self) -> list[Array]:
-        """Return matrices that turn features f, their square and 1 into squared distances."""
-        squares = [(each**2).sum(axis=1)[None] for each in self.features]
-        pairs = zip(self.features, squares, strict=True)
-        return [np.concatenate([-2.0 * each.T, np.ones_like(square), square]) for each, square in pairs]
+    def _lifted(self) -> Array:
+        """Return matrices that turn features f, their square and 1 into minus squared distances, weighted.
 
-    def kernels(self, features: list[Array]) -> Array:
-        """Compare segments, given by their features, with the centres; shape=[parts, n, C]."""
-        n, dtype = len(features[0]), features[0].dtype
-        squares = np.empty((len(features), n, len(self.features[0])), dtype=dtype)
-        one = np.ones((n, 1), dtype=dtype)
-        for own, each, lifted in zip(squares, features, self._lifted, strict=True):
-            square = np.einsum("ij,ij->i", each, each)[:, None]
-            np.matmul(np.concatenate([each, square, one], axis=1), lifted, out=own)
-        kernels, common = squares[:-1], squares[-1]
-        common += _OTHER_PARTS * kernels.sum(axis=0)
-        kernels *= _OTHER_PARTS - 1.0
-        kernels -= common
-        return np.exp(np.minimum(kernels, 0.0, out=kernels), out=kernels)
+        Those of a part are weighted by 1 - w^2, w = w_pq: what its own distances count more than those of others.
+        """
+        squares = (self.features**2).sum(axis=2)[:, None]
+        lifted = np.concatenate([2.0 * self.features.swapaxes(1, 2), -np.ones_like(squares), -squares], axis=1)
+        lifted[:-1] *= 1.0 - _OTHER_PARTS
+        return np.asarray(lifted)
+
+    def kernels(self, features: np.ndarray) -> Array:
+        """Compare segments with the centres.
+
+        Parameters
+        ----------
+        features : array-like, shape=[parts + 1, ..., n, N]
+
+        Returns
+        -------
+        kernels : array-like, shape=[parts, ..., n, C]
+        """
+        squares = np.einsum("...i,...i->...", features, features)[..., None]
+        lifted = self._lifted.reshape(len(features), *(1,) * (features.ndim - 3), *self._lifted.shape[1:])
+        exponents = np.concatenate([features, squares, np.ones_like(squares)], axis=-1) @ lifted
+        kernels, common = exponents[:-1], exponents[:-1].sum(axis=0)
+        common *= _OTHER_PARTS / (1.0 - _OTHER_PARTS)
+        common += exponents[-1]
+        kernels += common
+        return np.exp(kernels, out=kernels)
 
     @cached_property
     def factors(self) -> Array:
         """Return Cholesky factors of the centres' own kernels, shape=[parts, C, C], lower."""
-        kernels = self.kernels(list(self.features))
+        kernels = self.kernels(self.features)
         return np.asarray(np.linalg.cholesky(kernels + _JITTER * np.eye(kernels.shape[1])), dtype=np.float64)
 
 

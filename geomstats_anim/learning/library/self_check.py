@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from geomstats_anim import rotations as quat
 from geomstats_anim.animation import Skeleton
-from geomstats_anim.kinematics import place
+from geomstats_anim.kernels.shares import miss
+from geomstats_anim.kinematics import breadth_first
 from geomstats_anim.learning.library.parts import BodyParts
 from geomstats_anim.rotations import Array
+
+MOST_HIDDEN = 20
+"""Keys that are hidden; of more, these tell as much."""
 
 SHARES = np.linspace(0.0, 1.0, 6)
 _CAUTION = 1.2
@@ -42,51 +45,55 @@ class HiddenPoses:
     residuals: Array
     truth: Array
 
-    @cached_property
-    def _turned(self) -> Array:
-        """Return the poses with each share of the residuals, shape=[shares, n, B, 4]."""
-        return quat.multiply(self.splines, quat.exp(SHARES[:, None, None, None] * self.residuals))
+    def of_limbs(self) -> Array:
+        """Return the errors of the limbs by their share, with the torso as the spline has it.
 
-    @cached_property
-    def _ends(self) -> Array:
-        return self._ends_of(self.truth)
+        Returns
+        -------
+        errors : array-like, shape=[2, limbs, shares, n]
+            Means over the joints of each limb: angles, radians, then distances of bone ends, metres.
+        """
+        shares = np.where(self.parts.of_joint > 0, SHARES[:, None], 0.0)
+        return np.moveaxis(self._errors(shares) @ self.parts.averages[:, 1:], -1, 1)
 
-    @cached_property
-    def angles(self) -> Array:
-        """Return the errors of angles, shape=[parts, shares, n], means over the joints of each part."""
-        found = quat.distance(self._turned, self.truth)
-        return np.moveaxis(found @ self.parts.averages, -1, 0)
-
-    @cached_property
-    def limb_ends(self) -> Array:
-        """Return the distances of bone ends, shape=[limbs, shares, n], with the torso as the spline has it."""
-        poses = self._turned.copy()
-        poses[:, :, self.parts.joints[0]] = self.splines[:, self.parts.joints[0]]
-        return np.moveaxis(self._missed(poses) @ self.parts.averages[:, 1:], -1, 0)
-
-    def torso_ends(self, limbs: np.ndarray) -> Array:
-        """Return the distances of all bone ends by the share of the torso, shape=[shares, n].
+    def of_torso(self, limbs: Array) -> Array:
+        """Return the errors by the share of the torso.
 
         Parameters
         ----------
-        limbs : array-like of int, shape=[limbs]
-            Indices of the shares of the limbs.
+        limbs : array-like, shape=[limbs]
+            Shares of the limbs.
+
+        Returns
+        -------
+        errors : array-like, shape=[2, 1, shares, n]
+            Means over the joints of the torso of angles; and over all joints of the distances of bone ends.
         """
-        poses = self._turned.copy()
-        for joints, share in zip(self.parts.joints[1:], limbs, strict=True):
-            poses[:, :, joints] = self._turned[share][:, joints]
-        return self._missed(poses).mean(axis=-1)
+        of_limbs = np.concatenate([[0.0], limbs])[self.parts.of_joint]
+        angles, distances = self._errors(np.where(self.parts.of_joint > 0, of_limbs, SHARES[:, None]))
+        return np.stack([angles @ self.parts.averages[:, 0], distances.mean(axis=-1)])[:, None]
 
-    def _missed(self, poses: Array) -> Array:
-        """Return the distances of bone ends, shape=[..., B]."""
-        x, y, z = np.moveaxis(self._ends_of(poses) - self._ends, -1, 0)
-        return np.sqrt(x * x + y * y + z * z)
+    def _errors(self, shares: Array) -> Array:
+        """Return angles, and distances of bone ends where the skeleton stands at rest, shape=[2, shares, n, B].
 
-    def _ends_of(self, rotations: Array) -> Array:
-        """Return the ends of bones, shape=[..., B, 3], of poses that stand where the rest pose does."""
-        flat = rotations.reshape(-1, self.skeleton.n_joints, 4)
-        rest = np.broadcast_to(self.skeleton.rest_translations, (*flat.shape[:2], 3))
-        return place(self.skeleton, flat, rest).ends.reshape(*rotations.shape[:-1], 3)
+        Parameters
+        ----------
+        shares : array-like, shape=[shares, B]
+        """
+        skeleton, errors = self.skeleton, np.empty((2, len(shares), *self.truth.shape[:2]))
+        offsets = np.tile(skeleton.rest_translations, (len(shares) + 1, 1, 1))
+        poses = map(quat.plain, (self.splines, self.residuals, self.truth))
+        tree = breadth_first(skeleton), np.array(skeleton.parents), np.array(skeleton.bone_ends)
+        miss(*tree, offsets, *poses, shares, *errors)
+        return errors
+
+
+def spread(n: int, most: int) -> np.ndarray:
+    """Choose indices below n, at most so many, evenly but out of step with what is periodic, as walks are."""
+    if n <= most:
+        return np.arange(n)
+    jitter = np.random.default_rng(0).random(most)
+    return np.unique((n / most * (np.arange(most) + jitter)).astype(np.intp))
 
 
 def best_shares(hidden: HiddenPoses, doubts: Array) -> Array:
@@ -108,11 +115,10 @@ def best_shares(hidden: HiddenPoses, doubts: Array) -> Array:
     -------
     shares : array-like, shape=[parts]
     """
-    n_limbs = len(doubts) - 1
-    limbs = _best(hidden.angles[1:], hidden.limb_ends, doubts[1:]) if n_limbs else np.empty(0, dtype=np.intp)
-    of_torso = doubts[:1] * [1.0, 0.0] if n_limbs else doubts
-    torso = _best(hidden.angles[:1], hidden.torso_ends(limbs)[None], of_torso)
-    return SHARES[np.concatenate([torso, limbs])]
+    if len(doubts) == 1:
+        return _best(hidden.of_torso(np.empty(0)), doubts)
+    limbs = _best(hidden.of_limbs(), doubts[1:])
+    return np.concatenate([_best(hidden.of_torso(limbs), doubts[:1] * [1.0, 0.0]), limbs])
 
 
 def ratios_to_spline(errors: Array) -> Array:
@@ -120,10 +126,10 @@ def ratios_to_spline(errors: Array) -> Array:
     return errors / np.maximum(errors[..., :1, :].mean(axis=-1, keepdims=True), _LEAST)
 
 
-def _best(angles: Array, ends: Array, doubts: Array) -> np.ndarray:
-    """Return the index of the best share of each part, from its errors with each, shape=[parts, shares, n]."""
-    ratios, n = ratios_to_spline(np.stack([angles, ends])), angles.shape[-1]
+def _best(errors: Array, doubts: Array) -> Array:
+    """Return the best share of each part, from its errors with each, shape=[2, parts, shares, n]."""
+    ratios, n = ratios_to_spline(errors), errors.shape[-1]
     more = ratios - ratios[:, :, :1]
     doubted = more.mean(axis=-1) + doubts.transpose(2, 0, 1) * more.std(axis=-1)
     cost = doubted.mean(axis=0) + _CAUTION / n**2 * SHARES
-    return np.where((doubted <= 0.0).all(axis=0), cost, np.inf).argmin(axis=-1)
+    return SHARES[np.where((doubted <= 0.0).all(axis=0), cost, np.inf).argmin(axis=-1)]

@@ -14,7 +14,7 @@ import numpy as np
 
 from geomstats_anim.animation import Skeleton
 from geomstats_anim.learning.library.context import OFFSETS
-from geomstats_anim.learning.library.features import N_FEATURES, Reduction
+from geomstats_anim.learning.library.features import N_FEATURES, Features, Reduction, description_width
 from geomstats_anim.learning.library.gap_model import MOST_CENTRES, GapModel
 from geomstats_anim.learning.library.motion_library import MotionLibrary
 from geomstats_anim.learning.library.parts import BodyParts, body_parts
@@ -56,7 +56,7 @@ def dump_library(library: MotionLibrary) -> bytes:
         "models": [
             {
                 "gap": model.gap,
-                "units": [reduction.units.tolist() for reduction in model.reductions],
+                "units": [reduction.units.tolist() for reduction in model.features.reductions],
                 "doubts": model.doubts.tolist(),
             }
             for model in library.models
@@ -65,9 +65,12 @@ def dump_library(library: MotionLibrary) -> bytes:
     }
     arrays = {"header": np.frombuffer(dump_json(header).encode(), dtype=np.uint8)}
     for model in library.models:
-        reductions = [np.concatenate([each.mean[:, None], each.components], axis=1) for each in model.reductions]
-        arrays[f"{model.gap}/reductions"] = _flat(reductions)
-        arrays[f"{model.gap}/centres"] = np.concatenate(model.centres.features, axis=1).astype(np.float16, order="C")
+        reductions = model.features.reductions
+        kept = [*(each.components.shape[1] for each in reductions), OFFSETS]
+        tables = [np.concatenate([each.mean[:, None], each.components], axis=1) for each in reductions]
+        centres = [each[:, :width] for each, width in zip(model.centres.features, kept, strict=True)]
+        arrays[f"{model.gap}/reductions"] = _flat(tables)
+        arrays[f"{model.gap}/centres"] = np.concatenate(centres, axis=1).astype(np.float16, order="C")
         arrays[f"{model.gap}/weights"] = np.concatenate(model.whitened, axis=1).astype(np.float16, order="C")
     file = io.BytesIO()
     np.savez(file, allow_pickle=False, **arrays)
@@ -178,7 +181,7 @@ def _models(listed: Any, members: dict[str, np.ndarray], parts: BodyParts) -> It
 
 
 def _model(gap: int, numbers: Any, listed: Any, members: dict[str, np.ndarray], parts: BodyParts) -> GapModel:
-    widths = [3 * OFFSETS * len(joints) + 9 * len(joints) + 1 for joints in parts.joints]
+    widths = [description_width(len(joints)) for joints in parts.joints]
     kept = [min(N_FEATURES, width) for width in widths]
     columns = [n_sines(gap) * 3 * len(joints) for joints in parts.joints]
     reductions, centres, weights = (_half(members, f"{gap}/{name}") for name in ("reductions", "centres", "weights"))
@@ -204,15 +207,12 @@ def _model(gap: int, numbers: Any, listed: Any, members: dict[str, np.ndarray], 
         table.reshape(width, -1)
         for table, width in zip(np.split(reductions, np.cumsum(sizes)[:-1]), widths, strict=True)
     ]
+    of_parts = tuple(Reduction(row, table[:, 0], table[:, 1:]) for row, table in zip(units, tables, strict=True))
+    features = np.zeros((len(kept) + 1, n_centres, N_FEATURES))
+    for own, each in zip(features, _columns(centres, kept), strict=True):
+        own[:, : each.shape[1]] = each
     return GapModel(
-        gap,
-        n_sines(gap),
-        tuple(
-            Reduction(row, table[:, 0].copy(), table[:, 1:].copy()) for row, table in zip(units, tables, strict=True)
-        ),
-        Centres(_columns(centres, kept)),
-        _columns(weights, columns)[:-1],
-        doubts,
+        gap, n_sines(gap), Features(parts, of_parts), Centres(features), _columns(weights, columns)[:-1], doubts
     )
 
 

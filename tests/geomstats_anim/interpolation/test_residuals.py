@@ -56,12 +56,3 @@ def test_a_share_of_some_joints_is_that_share_of_them(residual):
             residual.shared(shares)(segment, fraction, order), whole * shares[:, None], atol=1e-11
         )
         np.testing.assert_array_equal(residual.at_joints(np.array([2]))(segment, fraction, order), whole[:, 2:])
-
-
-def test_segments_of_a_stride_are_joined_as_each_of_their_chains():
-    rng = np.random.default_rng(3)
-    sines, durations, holds = rng.normal(size=(7, 3, 4, 3)), rng.uniform(0.1, 0.4, 7), rng.random((7, 4)) < 0.2
-    both = Residual.through_keys(sines, durations, holds, 2).weights
-    for first in (0, 1):
-        chain = Residual.through_keys(sines[first::2], durations[first::2], holds[first::2])
-        np.testing.assert_allclose(both[first::2], chain.weights, atol=1e-14)

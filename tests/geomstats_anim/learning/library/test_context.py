@@ -56,3 +56,12 @@ def test_scales_are_root_mean_squares_of_increments_of_each_part():
         for i, there in enumerate(contexts.is_there)
     ]
     np.testing.assert_allclose(contexts.scales(PARTS), np.radians(1.0) + expected, atol=1e-13)
+
+
+def test_a_joint_holds_where_it_is_the_same_at_both_keys():
+    times, rotations = clip(6)
+    rotations[2:4, 5] = rotations[2, 5]
+    rotations[4, 5] = quat.multiply(rotations[3, 5], quat.exp(np.array([1e-5, 0.0, 0.0])))
+    expected = np.zeros((5, SKELETON.n_joints), dtype=bool)
+    expected[2, 5] = True
+    np.testing.assert_array_equal(contexts_of(times, rotations, PARTS.trunk, VERTICAL).holds, expected)

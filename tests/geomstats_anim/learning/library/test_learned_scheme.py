@@ -10,7 +10,6 @@ from geomstats_anim import SCHEMES, Animation, LearnedMetric, MetricParameters, 
 from geomstats_anim import rotations as quat
 from geomstats_anim.criteria import rotation_errors
 from geomstats_anim.interpolation.learned_scheme import Learned
-from geomstats_anim.learning.library.context import contexts_of
 from geomstats_anim.learning.library.storage import dump_library
 
 
@@ -169,10 +168,3 @@ def test_what_cannot_be_learned_from_is_refused():
     still = Animation(other, np.arange(9) / 30, np.tile([0.0, 0.0, 0.0, 1.0], (9, 1, 1)), np.zeros((9, 1, 3)))
     with pytest.raises(ValueError, match="joints of the clips differ"):
         learn_library([gait(1), still])
-
-
-def test_single_precision_will_do_for_the_check(keys):
-    shared, model = library(), library().models[0]
-    contexts = contexts_of(keys.times, keys.rotations, shared.parts.trunk, shared.vertical)
-    exact, single = (model.predict(contexts, shared.parts, in_single) for in_single in (False, True))
-    assert 0.0 < abs(single - exact).max() < 1e-5

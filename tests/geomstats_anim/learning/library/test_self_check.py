@@ -1,9 +1,11 @@
 import numpy as np
+import pytest
 from gaits import biped
 
 from geomstats_anim import rotations as quat
+from geomstats_anim.kinematics import place
 from geomstats_anim.learning.library.parts import body_parts
-from geomstats_anim.learning.library.self_check import SHARES, HiddenPoses, best_shares
+from geomstats_anim.learning.library.self_check import SHARES, HiddenPoses, best_shares, spread
 
 SKELETON = biped()
 PARTS = body_parts(SKELETON)
@@ -19,6 +21,31 @@ def hidden(n=40):
 def shares(splines, residuals, truth, doubt=0.0):
     doubts = np.full((len(PARTS.joints), len(SHARES), 2), doubt)
     return best_shares(HiddenPoses(SKELETON, PARTS, splines, residuals, truth), doubts)
+
+
+def test_errors_are_angles_and_distances_of_bone_ends():
+    splines, missed = hidden(7)
+    truth = quat.multiply(splines, quat.exp(missed[::-1]))
+    poses, rest = HiddenPoses(SKELETON, PARTS, splines, missed, truth), np.tile(SKELETON.rest_translations, (7, 1, 1))
+    limbs = np.array([0.2, 0.0, 1.0, 0.6])
+    for s, share in enumerate(SHARES):
+        for of_torso, of_rest in ((0.0, share), (share, None)):
+            shares = np.full(SKELETON.n_joints, of_torso)
+            for limb, joints in zip(limbs, PARTS.joints[1:], strict=True):
+                shares[joints] = limb if of_rest is None else of_rest
+            turned = quat.multiply(splines, quat.exp(shares[:, None] * missed))
+            angles = quat.distance(turned, truth)
+            ends = [place(SKELETON, each, rest).ends for each in (turned, truth)]
+            distances = np.linalg.norm(ends[0] - ends[1], axis=-1)
+            if of_rest is None:
+                found = poses.of_torso(limbs)[:, 0, s]
+                expected = [angles[:, PARTS.joints[0]].mean(axis=-1), distances.mean(axis=-1)]
+            else:
+                found = poses.of_limbs()[:, :, s]
+                expected = [
+                    [each[:, joints].mean(axis=-1) for joints in PARTS.joints[1:]] for each in (angles, distances)
+                ]
+            np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
 def test_what_is_missed_is_taken_whole_and_its_opposite_not_at_all():
@@ -73,3 +100,13 @@ def test_a_gain_that_varies_from_key_to_key_is_used_less():
     steady, unsure = 0.2 * np.ones((40, 1, 1)), 0.2 + 2.0 * rng.permutation(np.repeat([-1.0, 1.0], 20))[:, None, None]
     assert (shares(splines, steady * missed, truth, 0.4) == 1.0).all()
     assert (shares(splines, unsure * missed, truth, 0.4) < 0.5).all()
+
+
+@pytest.mark.parametrize("n", [21, 50, 64, 1000])
+def test_few_of_many_are_spread_over_all_and_over_the_phases_of_a_walk(n):
+    chosen = spread(n, 20)
+    assert 0.75 * 20 <= len(chosen) <= 20 and (np.diff(chosen) > 0).all() and chosen[-1] < n
+    assert np.diff([0, *chosen, n]).max() <= 0.15 * n + 1
+    for period in range(2, 8):
+        assert np.bincount(chosen % period, minlength=period).max() <= 1.0 + 2.0 * len(chosen) / period
+    np.testing.assert_array_equal(spread(20, 20), np.arange(20))
