@@ -35,7 +35,7 @@ from usd_tools.learning.files import collect_training_clips  # noqa: E402
 DATA = ROOT.parent / "shared" / "data" / "library"
 FREE = ("slerp", "squad", "rotation-spline", "geodesic-spline")
 RATES = (0.3, 0.2, 0.1)
-GAPS = (3, 4, 5, 6, 8, 10, 20)
+GAPS = (3, 4, 5, 6, 7, 8, 10, 20)
 """Those that these rates and the self-check at twice the gap need."""
 
 DRAWS = 5

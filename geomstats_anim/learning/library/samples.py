@@ -18,8 +18,8 @@ from geomstats_anim.rotations import Array
 GAP_RATE = 30.0
 """Gaps are counted in frames of this many per second."""
 
-GAPS = (2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 40)
-"""Lengths of segments that are learned for, a model each."""
+GAPS = (2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40)
+"""Lengths of segments that are learned for, a model each; with each its double, which the self-check needs."""
 
 MOST_SAMPLES = 4500
 """Segments that a model is fitted to."""

@@ -63,7 +63,7 @@ def test_a_model_is_less_than_a_megabyte(data):
         (lambda h: h.update(usualRotations=[[0.0, 0.0, 0.0, 1.0]]), "unit quaternions"),
         (lambda h: h.update(models=7), "broken"),
         (lambda h: h["models"].reverse(), "models of the gaps"),
-        (lambda h: h["models"][0].update(gap=7), "models of the gaps"),
+        (lambda h: h["models"][0].update(gap=9), "models of the gaps"),
         (lambda h: h["models"][0].update(units=[[1.0, 0.0, 0.0]] * 5), "no units"),
         (lambda h: h.pop("provenance"), "provenance"),
         (lambda h: h.update(provenance=3), "broken"),
