@@ -20,6 +20,9 @@ SHARES = np.linspace(0.0, 1.0, 6)
 _CAUTION = 1.2
 """A full share has to save this part of the error, divided by the squared number of hidden keys."""
 
+_MOST_HELPED = 0.75
+"""Share of the angles that a spline misses, in the mean over parts, from which on nothing is taken off."""
+
 _LEAST = 1e-9
 """Errors, radians or metres, that are none."""
 
@@ -102,7 +105,8 @@ def best_shares(hidden: HiddenPoses, doubts: Array) -> Array:
     What counts is the mean of two ratios to the error of the spline: of angles, and of distances of bone ends. The
     limbs come first, with the torso as the spline has it; then the torso, for the bone ends of the whole body, whose
     doubts are those of the limbs and not counted again. Neither ratio may grow, and both are raised before, by as many
-    standard deviations from key to key as are doubted.
+    standard deviations from key to key as are doubted. A motion that is like those of the library is so in most parts
+    of the body: where few are helped, these have less of it.
 
     Parameters
     ----------
@@ -115,10 +119,16 @@ def best_shares(hidden: HiddenPoses, doubts: Array) -> Array:
     -------
     shares : array-like, shape=[parts]
     """
-    if len(doubts) == 1:
-        return _best(hidden.of_torso(np.empty(0)), doubts)
-    limbs = _best(hidden.of_limbs(), doubts[1:])
-    return np.concatenate([_best(hidden.of_torso(limbs), doubts[:1] * [1.0, 0.0]), limbs])
+    limbs, missed = np.empty(0), np.empty(0)
+    if len(doubts) > 1:
+        errors = hidden.of_limbs()
+        limbs, missed = _best(errors, doubts[1:]), errors[0, :, 0].mean(axis=-1)
+        doubts = doubts[:1] * [1.0, 0.0]
+    errors = hidden.of_torso(limbs)
+    shares = np.concatenate([_best(errors, doubts), limbs])
+    missed = np.concatenate([errors[0, :, 0].mean(axis=-1), missed])
+    helped = missed.dot(shares) / max(missed.sum(), _LEAST)
+    return shares * min(1.0, helped / _MOST_HELPED)
 
 
 def ratios_to_spline(errors: Array) -> Array:

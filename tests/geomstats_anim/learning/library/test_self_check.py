@@ -58,9 +58,25 @@ def test_what_is_missed_is_taken_whole_and_its_opposite_not_at_all():
 
 def test_twice_of_it_is_halved():
     splines, missed = hidden()
-    truth = quat.multiply(splines, quat.exp(missed))
-    found = shares(splines, 2.0 * missed, truth)
-    assert (abs(found - 0.5) <= 0.1 + 1e-12).all()
+    truth, residuals = quat.multiply(splines, quat.exp(missed)), missed.copy()
+    residuals[:, PARTS.joints[2]] *= 2.0
+    found = shares(splines, residuals, truth)
+    assert abs(found[2] - 0.5) <= 0.1 + 1e-12
+    np.testing.assert_array_equal(np.delete(found, 2), 1.0)
+
+
+def test_where_few_parts_are_helped_these_have_less_of_it():
+    splines, missed = hidden()
+    missed[:, PARTS.joints[0]] *= 3.0
+    truth, angles = quat.multiply(splines, quat.exp(missed)), np.linalg.norm(missed, axis=-1).mean(axis=0)
+    of_parts = np.array([angles[joints].mean() for joints in PARTS.joints])
+    for helped in ([0], [0, 4], [1, 2], [0, 1, 2, 3, 4]):
+        residuals = np.zeros_like(missed)
+        for part in helped:
+            residuals[:, PARTS.joints[part]] = missed[:, PARTS.joints[part]]
+        expected = np.zeros(len(of_parts))
+        expected[helped] = min(1.0, of_parts[helped].sum() / of_parts.sum() / 0.75)
+        np.testing.assert_allclose(shares(splines, residuals, truth), expected, atol=1e-9)
 
 
 def test_parts_are_judged_apart():
