@@ -27,7 +27,7 @@ def help_sentence(library: Mapping[str, Any]) -> str:
     """Say what a library does for a clip: "RIG.inbetween helps ...: arms 1, legs .8, torso 0"."""
     by_part: dict[str, list[str]] = {}
     for each in library["shares"]:
-        share = f"{each['share']:.2g}".removeprefix("0") or "0"
+        share = f"{each['share']:.2f}".rstrip("0").rstrip(".").removeprefix("0") or "0"
         known = by_part.setdefault(each["part"], [])
         if share not in known:
             known.append(share)

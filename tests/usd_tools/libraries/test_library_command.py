@@ -11,6 +11,7 @@ from pxr import Usd, UsdGeom, UsdSkel
 
 from geomstats_anim.learning.library.storage import load_library
 from usd_tools import learn, upsample
+from usd_tools.libraries.help import help_sentence
 from usd_tools.metrics.attributes import read_metric
 
 LEARN = ["--purpose", "predict", "--library"]
@@ -145,3 +146,9 @@ def test_workers_make_the_same_bytes(folder, tmp_path):
     clips = [str(folder / f"walk_{seed}.usdc") for seed in range(1, 5)]
     assert learn.main([*clips, *LEARN, "--cpus", "2", "-o", str(tmp_path / "rig.inbetween")]) == 0
     assert (tmp_path / "rig.inbetween").read_bytes() == (folder / "rig.inbetween").read_bytes()
+
+
+def test_shares_are_said_to_two_decimals():
+    shares = [("torso", 0.0), ("arm", 1.0), ("arm", 0.8), ("leg", 0.076), ("leg", 0.0758)]
+    library = {"file": "rig.inbetween", "shares": [{"part": part, "share": share} for part, share in shares]}
+    assert help_sentence(library).endswith(": torso 0, arms 1 and .8, legs .08.")
