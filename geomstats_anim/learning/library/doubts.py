@@ -51,12 +51,7 @@ class LeftOut:
 
 
 def errors_left_out(
-    samples: Samples,
-    predicted: Array,
-    clip: np.ndarray,
-    skeleton: Skeleton,
-    parts: BodyParts,
-    rng: np.random.Generator,
+    samples: Samples, predicted: Array, skeleton: Skeleton, parts: BodyParts, rng: np.random.Generator
 ) -> LeftOut:
     """Return the errors on actions that are left out.
 
@@ -65,8 +60,6 @@ def errors_left_out(
     samples : Samples
     predicted : array-like, shape=[n, N, B, 3]
         Weights of sines, of models without the action of the clip.
-    clip : array-like of int, shape=[n]
-        Clip of each segment; that of its mirror image is the same.
     skeleton : Skeleton
     parts : BodyParts
     rng : Generator
@@ -80,12 +73,10 @@ def errors_left_out(
     middle = basis(np.array([0.5]), samples.sines.shape[1])[0, :-2]
     missed: Array = np.asarray(np.tensordot(middle, samples.sines[chosen], (0, 1)), dtype=np.float64)
     found: Array = np.asarray(np.tensordot(middle, predicted[chosen], (0, 1)), dtype=np.float64)
-    middles, clips = samples.middles[chosen], clip[chosen]
+    middles, clips = samples.middles[chosen], samples.clip[chosen]
     hidden = HiddenPoses(skeleton, parts, middles, found, quat.multiply(middles, quat.exp(missed)))
-    errors = hidden.of_torso(np.zeros(len(parts.joints) - 1))
-    if len(parts.joints) > 1:
-        errors = np.concatenate([errors, hidden.of_limbs()], axis=1)
-    ratios, deviations = np.full((2, clip.max() + 1, len(parts.joints), len(SHARES), 2), np.nan)
+    errors = np.concatenate([hidden.of_torso(np.zeros(len(parts.joints) - 1)), hidden.of_limbs()], axis=1)
+    ratios, deviations = np.full((2, samples.clip.max() + 1, len(parts.joints), len(SHARES), 2), np.nan)
     for each in np.unique(clips):
         found = ratios_to_spline(errors[..., clips == each]).transpose(1, 2, 0, 3)
         ratios[each], deviations[each] = found.mean(axis=-1), (found - found[:, :1]).std(axis=-1)

@@ -15,7 +15,7 @@ from geomstats_anim.rotations import Array
 N_FEATURES = 32
 """Numbers that the features of a part are reduced to."""
 
-_INCREMENT_WEIGHTS = np.array([0.5, 1.0, 1.0, 1.0, 0.5])
+_INCREMENT_WEIGHTS = np.array([0.5, 1.0, 1.0, 1.0, 0.5]) / np.sqrt(3.5)
 _SCALE_WEIGHT, _MASK_WEIGHT = 0.3, 0.35
 _LEAST_UNIT = 1e-3
 
@@ -114,14 +114,9 @@ def description_width(n_joints: int) -> int:
 
 def _described(contexts: Contexts, scales: Array, parts: BodyParts, units: Array) -> Array:
     """Describe the surroundings of every part, shape=[parts, n, D], filled up with zeros."""
-    sizes = np.array([len(joints) for joints in parts.joints])
-    table = np.zeros((len(sizes), sizes.max()), dtype=np.intp)
-    for row, joints in zip(table, parts.joints, strict=True):
-        row[: len(joints)] = joints
-    weights = _INCREMENT_WEIGHTS / np.sqrt(_INCREMENT_WEIGHTS.dot(_INCREMENT_WEIGHTS))
-    units = units / [1.0, 1.0, _SCALE_WEIGHT]
-    described = np.zeros((len(sizes), len(scales), description_width(sizes.max())))
+    units, scales = units / [1.0, 1.0, _SCALE_WEIGHT], np.ascontiguousarray(scales)
+    described = np.zeros((len(units), len(scales), description_width(parts.sizes.max())))
     surroundings.describe(
-        contexts.increments, contexts.poses, np.ascontiguousarray(scales), weights, table, sizes, units, described
+        contexts.increments, contexts.poses, scales, _INCREMENT_WEIGHTS, parts.table, parts.sizes, units, described
     )
     return described

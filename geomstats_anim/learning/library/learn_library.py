@@ -84,7 +84,7 @@ def learn_library(
         usual = usual_pose(np.concatenate([clip.rotations for clip in clips]))
         mirror, actions, n_recorded = mirror_of(skeleton, up, usual), _actions(clips, parts, up), len(clips)
         if mirror is not None:
-            clips, actions = [*clips, *map(mirror.animation, clips)], np.tile(actions, 2)
+            clips = [*clips, *map(mirror.animation, clips)]
         task = _GapTask(clips, n_recorded, parts, up, actions, seed)
         fits = [fit for fit in _spread(task, gaps, progress, address, cpus) if fit is not None]
     if not fits:
@@ -110,10 +110,11 @@ class _GapTask:
             return None
         rng = np.random.default_rng(self.seed)
         samples = samples.at(np.sort(rng.permutation(len(samples.clip))[:MOST_SAMPLES]))
+        # a mirror image is of the clip that it mirrors
+        samples = replace(samples, clip=samples.clip % self.n_recorded)
         with one_thread():
             model, left_out = fit_gap(gap, samples, self.parts, self.actions, rng)
-            clip = samples.clip % self.n_recorded
-            return model, errors_left_out(samples, left_out, clip, self.clips[0].skeleton, self.parts, rng)
+            return model, errors_left_out(samples, left_out, self.clips[0].skeleton, self.parts, rng)
 
 
 def _actions(clips: Sequence[Animation], parts: BodyParts, vertical: Array) -> np.ndarray:

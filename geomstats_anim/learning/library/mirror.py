@@ -109,8 +109,7 @@ def usual_pose(rotations: Array) -> Array:
 
 
 def _mirror_at_rest(skeleton: Skeleton, vertical: Array, counterpart: np.ndarray) -> Mirror | None:
-    rest = place(skeleton, skeleton.rest_rotations[None], skeleton.rest_translations[None])
-    origins, orientations = rest.origins[0], _orientations(skeleton, skeleton.rest_rotations)
+    origins, orientations = _placed(skeleton, skeleton.rest_rotations)
     across = _across(origins, counterpart)
     across -= across.dot(vertical) * vertical
     size = np.ptp(origins, axis=0).max()
@@ -133,12 +132,11 @@ def _mirror_in_use(skeleton: Skeleton, vertical: Array, counterpart: np.ndarray,
     trunk = body_parts(skeleton).trunk
     in_trunk = usual.copy()
     in_trunk[trunk] = quat.IDENTITY
-    origins = place(skeleton, in_trunk[None], skeleton.rest_translations[None]).origins[0]
+    origins, orientations = _placed(skeleton, in_trunk)
     across = _across(origins, counterpart)
     size = np.ptp(origins, axis=0).max()
     if np.linalg.norm(across) <= _TOLERANCE * size:
         return None
-    orientations = _orientations(skeleton, in_trunk)
     exact = orientations[counterpart].swapaxes(-1, -2) @ _reflection(across) @ orientations
     frames = np.round(exact)
     bones = np.setdiff1d(np.flatnonzero(skeleton.parents >= 0), trunk)
@@ -151,7 +149,7 @@ def _mirror_in_use(skeleton: Skeleton, vertical: Array, counterpart: np.ndarray,
     ):
         return None
     upright = _reflection(np.cross(vertical, np.eye(3)[np.abs(vertical).argmin()]))
-    above = _orientations(skeleton, usual)[trunk[:-1]]
+    above = _placed(skeleton, usual)[1][trunk[:-1]]
     frames[trunk[:-1]] = above.swapaxes(-1, -2) @ upright @ above
     return _with_parents(skeleton, counterpart, frames, upright)
 
@@ -172,13 +170,10 @@ def _reflection(normal: Array) -> Array:
     return np.asarray(np.eye(3) - 2.0 * np.outer(unit, unit))
 
 
-def _orientations(skeleton: Skeleton, rotations: Array) -> Array:
-    """Return the orientations of joints in a pose, shape=[B, 3, 3]."""
-    found = quat.to_matrix(rotations).copy()
-    for joint, parent in enumerate(skeleton.parents.tolist()):
-        if parent >= 0:
-            found[joint] = found[parent] @ found[joint]
-    return found
+def _placed(skeleton: Skeleton, rotations: Array) -> tuple[Array, Array]:
+    """Return the origins of joints in a pose, shape=[B, 3], and their orientations, shape=[B, 3, 3]."""
+    pose = place(skeleton, rotations[None], skeleton.rest_translations[None])
+    return pose.origins[0], quat.to_matrix(pose.rotations[0])
 
 
 def _counterparts(skeleton: Skeleton) -> np.ndarray | None:

@@ -45,10 +45,23 @@ class BodyParts:
         return part
 
     @cached_property
+    def sizes(self) -> np.ndarray:
+        """Return the numbers of joints, shape=[parts]."""
+        return np.array([len(joints) for joints in self.joints])
+
+    @cached_property
+    def table(self) -> np.ndarray:
+        """Return the joints of each part, shape=[parts, largest size], filled up with zeros."""
+        table = np.zeros((len(self.joints), self.sizes.max()), dtype=np.intp)
+        for row, joints in zip(table, self.joints, strict=True):
+            row[: len(joints)] = joints
+        return table
+
+    @cached_property
     def averages(self) -> Array:
         """Return the weights of joints in the means over the parts, shape=[B, parts]."""
         is_in = self.of_joint[:, None] == np.arange(len(self.joints))
-        return is_in / np.maximum(is_in.sum(axis=0), 1)
+        return is_in / np.maximum(self.sizes, 1)
 
 
 def body_parts(skeleton: Skeleton) -> BodyParts:

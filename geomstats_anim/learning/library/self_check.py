@@ -119,14 +119,12 @@ def best_shares(hidden: HiddenPoses, doubts: Array) -> Array:
     -------
     shares : array-like, shape=[parts]
     """
-    limbs, missed = np.empty(0), np.empty(0)
-    if len(doubts) > 1:
-        errors = hidden.of_limbs()
-        limbs, missed = _best(errors, doubts[1:]), errors[0, :, 0].mean(axis=-1)
-        doubts = doubts[:1] * [1.0, 0.0]
-    errors = hidden.of_torso(limbs)
-    shares = np.concatenate([_best(errors, doubts), limbs])
-    missed = np.concatenate([errors[0, :, 0].mean(axis=-1), missed])
+    of_limbs = hidden.of_limbs()
+    limbs = _best(of_limbs, doubts[1:])
+    of_torso = hidden.of_torso(limbs)
+    torso = _best(of_torso, doubts[:1] * [1.0, 0.0] if len(limbs) else doubts)
+    shares = np.concatenate([torso, limbs])
+    missed = np.concatenate([of_torso, of_limbs], axis=1)[0, :, 0].mean(axis=-1)
     helped = missed.dot(shares) / max(missed.sum(), _LEAST)
     return shares * min(1.0, helped / _MOST_HELPED)
 

@@ -46,9 +46,7 @@ def test_ratios_are_those_of_the_clip_with_what_is_predicted():
     clips = [gait(seed) for seed in (1, 2)]
     samples = samples_of(clips, 8, PARTS.trunk, UP)
     for scale, expected in ((1.0, 1.0 - SHARES), (-1.0, 1.0 + SHARES)):
-        left_out = errors_left_out(
-            samples, scale * samples.sines, samples.clip, biped(), PARTS, np.random.default_rng(0)
-        )
+        left_out = errors_left_out(samples, scale * samples.sines, biped(), PARTS, np.random.default_rng(0))
         assert left_out.ratios.shape == left_out.deviations.shape == (2, 5, len(SHARES), 2)
         np.testing.assert_allclose(left_out.ratios[..., 0], np.broadcast_to(expected, (2, 5, len(SHARES))), atol=1e-6)
         ratio = np.broadcast_to(left_out.deviations[:, :, 1:2], left_out.deviations.shape) * SHARES[:, None] / SHARES[1]
