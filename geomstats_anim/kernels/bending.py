@@ -6,6 +6,7 @@ import numpy as np
 
 from geomstats_anim.kernels.compilation import compiled
 from geomstats_anim.kernels.hermite import weights
+from geomstats_anim.kernels.quaternions import exp_of
 from geomstats_anim.kernels.vectors import cross, multiply
 
 
@@ -36,10 +37,8 @@ def bend(turned, index, parameter, start, end):
     for f in range(len(index)):
         for b in range(turned.shape[1]):
             c = _cubic(start[index[f], b], end[index[f], b], parameter[f])
-            half = 0.5 * np.sqrt(c[0] ** 2 + c[1] ** 2 + c[2] ** 2)
-            scale = 0.5 * np.sin(half) / half if half > 0.0 else 0.5
             q = (turned[f, b, 0], turned[f, b, 1], turned[f, b, 2], turned[f, b, 3])
-            bent = multiply(q, (scale * c[0], scale * c[1], scale * c[2], np.cos(half)))
+            bent = multiply(q, exp_of(c))
             for i in range(4):
                 turned[f, b, i] = bent[i]
 

@@ -51,15 +51,20 @@ def to_matrix(quaternion, out):
 
 
 @compiled
+def exp_of(v):
+    """Turn a rotation vector into a unit quaternion."""
+    half = 0.5 * np.sqrt(vectors.dot(v, v))
+    scale = 0.5 * np.sin(half) / half if half > 0.0 else 0.5
+    return (scale * v[0], scale * v[1], scale * v[2], np.cos(half))
+
+
+@compiled
 def exp(rotation_vector, out):
     """Turn rotation vectors, shape=[n, 3], into unit quaternions, shape=[n, 4]."""
     for i in range(len(out)):
-        v = rotation_vector[i]
-        half = 0.5 * np.sqrt(vectors.dot(v, v))
-        scale = 0.5 * np.sin(half) / half if half > 0.0 else 0.5
-        for k in range(3):
-            out[i, k] = scale * v[k]
-        out[i, 3] = np.cos(half)
+        q = exp_of(rotation_vector[i])
+        for k in range(4):
+            out[i, k] = q[k]
 
 
 @compiled

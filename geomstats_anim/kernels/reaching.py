@@ -10,6 +10,7 @@ import numpy as np
 
 from geomstats_anim.kernels.affine import place_joint
 from geomstats_anim.kernels.compilation import compiled
+from geomstats_anim.kernels.quaternions import exp_of
 from geomstats_anim.kernels.vectors import cross, dot, multiply, rotate_back
 
 
@@ -229,9 +230,7 @@ def _turn(turns, joints, moving, root, rotations, translations):
             translations[joints[root], 2] += z
             continue
         largest = max(largest, abs(x), abs(y), abs(z))
-        half = 0.5 * np.sqrt(x * x + y * y + z * z)
-        s = 0.5 * np.sin(half) / half if half > 0.0 else 0.5
-        turned = multiply(rotations[joints[b]], (s * x, s * y, s * z, np.cos(half)))
+        turned = multiply(rotations[joints[b]], exp_of((x, y, z)))
         for k in range(4):
             rotations[joints[b], k] = turned[k]
     return largest

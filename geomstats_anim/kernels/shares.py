@@ -6,6 +6,7 @@ import numpy as np
 
 from geomstats_anim.kernels.compilation import compiled
 from geomstats_anim.kernels.kinematics import place
+from geomstats_anim.kernels.quaternions import exp_of
 from geomstats_anim.kernels.vectors import conjugate, multiply
 
 
@@ -31,7 +32,6 @@ def miss(order, parents, bone_ends, offsets, splines, residuals, truth, shares, 
     for i in range(len(splines)):
         for b in range(n_joints):
             x, y, z = residuals[i, b]
-            length = np.sqrt(x**2 + y**2 + z**2)
             start = (splines[i, b, 0], splines[i, b, 1], splines[i, b, 2], splines[i, b, 3])
             back = conjugate((truth[i, b, 0], truth[i, b, 1], truth[i, b, 2], truth[i, b, 3]))
             poses[n_shares, b] = truth[i, b]
@@ -39,9 +39,8 @@ def miss(order, parents, bone_ends, offsets, splines, residuals, truth, shares, 
                 if s > 0 and shares[s, b] == shares[s - 1, b]:
                     poses[s, b], angles[s, i, b] = poses[s - 1, b], angles[s - 1, i, b]
                     continue
-                half = 0.5 * shares[s, b] * length
-                scale = np.sin(half) / length if length > 0.0 else 0.0
-                pose = multiply(start, (scale * x, scale * y, scale * z, np.cos(half)))
+                share = shares[s, b]
+                pose = multiply(start, exp_of((share * x, share * y, share * z)))
                 for q in range(4):
                     poses[s, b, q] = pose[q]
                 left = multiply(back, pose)
